@@ -1,0 +1,43 @@
+"""Course: a race made ready to fly, with its reference, its segments and the controller's parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.parameters import ParameterSpace
+from hotlap.race import Race
+from hotlap.reference import Reference
+from hotlap.segmentation import Segments
+
+NAMES = ("Q_pos_xy", "Q_pos_z", "Q_attitude", "Q_velocity", "horizon")
+LOG_STEP = (1.0, 1.0, 1.0, 1.0, 0.5)  # the horizon acts on everything at once: half steps
+
+
+@dataclass(frozen=True)
+class Course:
+    """What a world flies.
+
+    Attributes:
+        race: track, vehicle and settings.
+        reference: what is to be followed.
+        segments: its parts, each with parameters of its own.
+    """
+
+    race: Race
+    reference: Reference
+    segments: Segments
+
+    @property
+    def space(self) -> ParameterSpace:
+        """What can be tuned, per segment."""
+        settings = self.race.controller
+        arrays = (np.array(values) for values in (settings.low, settings.high, settings.default, LOG_STEP))
+        return ParameterSpace(NAMES, *arrays)
+
+    @property
+    def gate_segments(self) -> NDArray[np.int64]:
+        """Segment that each gate lies in, shape (gates,)."""
+        return self.segments.at(self.reference.gate_times)

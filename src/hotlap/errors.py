@@ -1,0 +1,55 @@
+"""What can go wrong on the ground: one base class, and children that carry what failed.
+
+A crash of the drone is a result, never an exception.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class HotlapError(Exception):
+    """Base of every error that hotlap raises on purpose."""
+
+
+class InputError(HotlapError):
+    """Something that a user gave is not usable: says where, which key, and why.
+
+    Args:
+        source: the file or the command-line option.
+        key: the key inside it, dotted (`controller.period`), or "" for the whole of it.
+        reason: one clause that says what is wrong and what would be right.
+    """
+
+    def __init__(self, source: str, key: str, reason: str) -> None:
+        self.source, self.key, self.reason = source, key, reason
+        super().__init__(": ".join(part for part in (source, key, reason) if part))
+
+
+class UnknownNameError(InputError):
+    """A name that nothing answers to; lists the names that would have worked."""
+
+    def __init__(self, kind: str, name: str, available: Iterable[str], source: str = "") -> None:
+        self.kind, self.name, self.available = kind, name, tuple(sorted(available))
+        near = get_close_matches(name, self.available, n=1)
+        hint = f" (did you mean {near[0]}?)" if near else ""
+        super().__init__(source, "", f"there is no {kind} named '{name}'{hint}; available: {', '.join(self.available)}")
+
+
+class PlanningError(HotlapError):
+    """No minimum-time reference was found.
+
+    Args:
+        gate: index of the gate that could not be planned through, or None for the whole track.
+        reason: why, in one clause.
+    """
+
+    def __init__(self, track: str, gate: int | None, reason: str) -> None:
+        self.track, self.gate, self.reason = track, gate, reason
+        where = track if gate is None else f"{track}, gate {gate}"
+        super().__init__(f"no plan for {where}: {reason}")
+
+
+class StudyError(InputError):
+    """A study folder cannot be used as asked: another configuration, another process, another version."""

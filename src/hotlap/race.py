@@ -1,0 +1,221 @@
+"""Race: a track, the vehicle that flies it, and everything that decides how the flight is controlled and judged."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+
+from pydantic import Field, model_validator
+
+from hotlap.quadrotor import Quadrotor
+from hotlap.schema import Described, NotNegative, Positive
+from hotlap.track import Track
+
+
+class Ramp(Described):
+    """Limits of a plan that grow over the first metres (rpg_time_optimal's thrust and rate ramp).
+
+    Attributes:
+        distance: [m] along the waypoints until the limits are full.
+        thrust_to_weight: [-] at the start.
+        rate: [rad/s] roll and pitch rate at the start.
+    """
+
+    distance: Positive
+    thrust_to_weight: float = Field(gt=1)
+    rate: Positive
+
+
+class PlanningSettings(Described):
+    """What the planner may use.
+
+    Attributes:
+        quadrotor: the planning model. None: the vehicle with `thrust_share` of its thrust.
+        thrust_share: [-] share of the vehicle's rotor thrust left to the plan when `quadrotor` is None.
+        v_max: [m/s] terminal speed of the planner's linear drag at full thrust in level flight. None: the quadrotor's own drag.
+        tolerance: [m] how far from a waypoint the plan may pass.
+        nodes: shooting intervals between two waypoints.
+        ramp: limits that grow over the first metres. None: full from the start.
+        floor: [m] height below which the plan does not go. None: the track's floor.
+    """
+
+    quadrotor: Quadrotor | None = None
+    thrust_share: float = Field(default=0.75, gt=0, le=1)
+    v_max: float | None = Field(default=None, gt=0, le=200)
+    tolerance: float = Field(default=0.2, gt=0, le=5)
+    nodes: int = Field(default=12, ge=4, le=100)
+    ramp: Ramp | None = None
+    floor: float | None = None
+
+
+class ReferenceTime(StrEnum):
+    """The moment at which a predicting controller reads its reference."""
+
+    EXECUTION = "execution"
+    NOW = "now"
+
+
+class ControllerSettings(Described):
+    """Settings of the model-predictive controller that are not tuned (Eq. 3 of the paper).
+
+    Attributes:
+        nodes: N, intervals of the horizon.
+        period: [s] of the control loop.
+        sweeps: box-constrained Riccati sweeps per control step.
+        thrust: [m/s^2] least and largest collective thrust per mass.
+        rates: [rad/s] largest body rates (symmetric bounds).
+        input_weights: R of thrust, roll and pitch rate, yaw rate.
+        horizon_unit: [s] time that a horizon parameter of 1 stands for.
+        feed_forward: take the reference's inputs as the inputs to stay close to (else hover).
+        predict: predict the state over the model's dead time.
+        reference_time: what a predicting controller compares with: the reference when the command acts, or now.
+        low, high, default: bounds and first value of Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon.
+    """
+
+    nodes: int = Field(default=20, ge=2, le=100)
+    period: float = Field(default=0.01, gt=0, le=0.1)
+    sweeps: int = Field(default=2, ge=1, le=10)
+    thrust: tuple[NotNegative, Positive] = (0.1, 20.0)
+    rates: tuple[Positive, Positive, Positive] = (10.0, 10.0, 3.0)
+    input_weights: tuple[Positive, Positive, Positive] = (1.0, 1.0, 1.0)
+    horizon_unit: Positive = 0.5
+    feed_forward: bool = True
+    predict: bool = True
+    reference_time: ReferenceTime = ReferenceTime.EXECUTION
+    low: tuple[Positive, Positive, Positive, Positive, Positive] = (1.0, 100.0, 1.0, 1.0, 1.0)
+    high: tuple[Positive, Positive, Positive, Positive, Positive] = (1000.0, 1500.0, 100.0, 1000.0, 7.0)
+    default: tuple[Positive, Positive, Positive, Positive, Positive] = (200.0, 500.0, 50.0, 10.0, 4.0)
+
+    @model_validator(mode="after")
+    def _ordered(self) -> ControllerSettings:
+        if self.thrust[0] >= self.thrust[1]:
+            raise ValueError("thrust: the least is not below the largest")
+        steps = self.period / PLANT_STEP
+        if abs(steps - round(steps)) > 1e-6:
+            raise ValueError(f"period: a multiple of the plant's step of {PLANT_STEP * 1e3:g} ms, not {self.period * 1e3:g} ms")
+        for low, value, high in zip(self.low, self.default, self.high, strict=True):
+            if not low <= value <= high or low == high:
+                raise ValueError(f"default: {value:g} is not within its bounds [{low:g}, {high:g}]")
+        return self
+
+
+PLANT_STEP = 0.0025  # s, of the built-in plant
+
+
+class NoiseSettings(Described):
+    """Standard deviations of what differs from flight to flight.
+
+    Attributes:
+        thrust: [-] relative actuation noise, correlated over `time`.
+        rates: [rad/s] actuation noise of the body rates, correlated over `time`.
+        time: [s] correlation time of the actuation noise.
+        thrust_bias: [-] relative thrust error, constant over a flight.
+        position: [m], velocity: [m/s], attitude: [-] (quaternion parts): of the initial state.
+        measured_position: [m], measured_velocity: [m/s], measured_attitude: [-]: white, of the state that the controller sees.
+        wind: [m/s^2] (world) acceleration by gusts, correlated over `wind_time`.
+        wind_time: [s].
+    """
+
+    thrust: NotNegative = 0.02
+    rates: NotNegative = 0.1
+    time: NotNegative = 0.1
+    thrust_bias: NotNegative = 0.01
+    position: NotNegative = 0.05
+    velocity: NotNegative = 0.05
+    attitude: NotNegative = 0.01
+    measured_position: NotNegative = 0.0
+    measured_velocity: NotNegative = 0.0
+    measured_attitude: NotNegative = 0.0
+    wind: NotNegative = 0.0
+    wind_time: Positive = 1.0
+
+
+class Rule(StrEnum):
+    """When a gate counts as passed.
+
+    CLOCK: close enough at the time at which the reference passes it (the paper, Eq. 6).
+    CLOSEST: close enough at some time in a window around it.
+    RELEASED: the released code's: closest approach over the whole flight, last gate unchecked.
+    """
+
+    CLOCK = "clock"
+    CLOSEST = "closest"
+    RELEASED = "released"
+
+
+class JudgeSettings(Described):
+    """How a flight is judged.
+
+    Attributes:
+        rule: when a gate counts as passed.
+        distance: [m] how close is close enough; default 1.3, 1.2 for the rule "released".
+        crash: [m] distance from the clocked reference beyond which the drone has crashed.
+        window: [s] before and after the reference's passage, for the rule "closest".
+        rate_crash: [rad/s] body rate beyond which the drone has crashed.
+        fly_on: go on after a missed gate until the crash or the end (for dense scores).
+    """
+
+    rule: Rule = Rule.CLOCK
+    distance: float = Field(default=0.0, ge=0, le=20)
+    crash: float = Field(default=10.0, gt=0, le=1000)
+    window: tuple[NotNegative, NotNegative] = (1.0, 2.0)
+    rate_crash: float = Field(default=60.0, gt=0)
+    fly_on: bool = False
+
+    @model_validator(mode="before")
+    @classmethod
+    def _distance(cls, values: object) -> object:
+        if isinstance(values, dict) and "distance" not in values:
+            return {**values, "distance": 1.2 if values.get("rule") == Rule.RELEASED else 1.3}
+        return values
+
+    @model_validator(mode="after")
+    def _positive(self) -> JudgeSettings:
+        if self.distance <= 0:
+            raise ValueError("distance: must be greater than 0")
+        return self
+
+
+class Race(Described):
+    """Everything that a flight depends on, apart from parameters and seed.
+
+    Attributes:
+        name: what it is called.
+        track: what is flown.
+        vehicle: the truth that flies it.
+        model: what controller and planner believe about the vehicle. None: the vehicle.
+        planning, controller, noise, judge: see there.
+        provenance: where the settings come from.
+    """
+
+    name: str = Field(min_length=1)
+    track: Track
+    vehicle: Quadrotor
+    model: Quadrotor | None = None
+    planning: PlanningSettings = PlanningSettings()
+    controller: ControllerSettings = ControllerSettings()
+    noise: NoiseSettings = NoiseSettings()
+    judge: JudgeSettings = JudgeSettings()
+    provenance: str = ""
+
+    @property
+    def believed(self) -> Quadrotor:
+        """What the controller takes the vehicle for."""
+        return self.model or self.vehicle
+
+    @property
+    def planned(self) -> Quadrotor:
+        """The quadrotor that the plan is made for."""
+        if self.planning.quadrotor is not None:
+            return self.planning.quadrotor
+        low, high = self.believed.rotor_thrust
+        high = min(self.planning.thrust_share * high, 0.95 * self.controller.thrust[1] * self.believed.mass / 4)
+        return self.believed.model_copy(update={"rotor_thrust": (min(low, 0.5 * high), high)})
+
+    @property
+    def planned_drag(self) -> float:
+        """[1/s] linear drag of the planning model, isotropic (rpg_time_optimal's c_d where v_max is given)."""
+        if self.planning.v_max is None:
+            return sum(self.planned.drag) / 3
+        level = math.sqrt(max(self.planned.max_acceleration**2 - self.planned.gravity**2, 0.0))
+        return level / self.planning.v_max
