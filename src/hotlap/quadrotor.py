@@ -35,7 +35,7 @@ class Quadrotor(Described):
 
     Attributes:
         name: what it is called.
-        mass: [kg].
+        mass: [kg] ready to fly, battery included.
         inertia: [kg m^2] (body) principal moments.
         arm: [m] distance of a rotor from the centre of mass.
         layout: "x" or "plus".
@@ -49,7 +49,7 @@ class Quadrotor(Described):
         torque_damping: [-] share of the present torque that the rate loop subtracts (RotorS's second gain).
         rate_limit: [rad/s] (body) rates that a plan may ask for.
         delay: [s] dead time from command to rotors.
-        gravity: [m/s^2].
+        gravity: [m/s^2] downward acceleration.
         provenance: where the numbers come from.
     """
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
+from typing import Any
 
 from pydantic import Field, model_validator
 
@@ -69,7 +70,9 @@ class ControllerSettings(Described):
         feed_forward: take the reference's inputs as the inputs to stay close to (else hover).
         predict: predict the state over the model's dead time.
         reference_time: what a predicting controller compares with: the reference when the command acts, or now.
-        low, high, default: bounds and first value of Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon.
+        low: least Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon.
+        high: largest of the same.
+        default: first value of the same.
     """
 
     nodes: int = Field(default=20, ge=2, le=100)
@@ -93,9 +96,11 @@ class ControllerSettings(Described):
         steps = self.period / PLANT_STEP
         if abs(steps - round(steps)) > 1e-6:
             raise ValueError(f"period: a multiple of the plant's step of {PLANT_STEP * 1e3:g} ms, not {self.period * 1e3:g} ms")
-        for low, value, high in zip(self.low, self.default, self.high, strict=True):
-            if not low <= value <= high or low == high:
-                raise ValueError(f"default: {value:g} is not within its bounds [{low:g}, {high:g}]")
+        for i, (low, value, high) in enumerate(zip(self.low, self.default, self.high, strict=True)):
+            if low >= high:
+                raise ValueError(f"low[{i}]: {low:g} is not below high[{i}] = {high:g}")
+            if not low <= value <= high:
+                raise ValueError(f"default[{i}]: {value:g} is not within its bounds [{low:g}, {high:g}]")
         return self
 
 
@@ -110,10 +115,14 @@ class NoiseSettings(Described):
         rates: [rad/s] actuation noise of the body rates, correlated over `time`.
         time: [s] correlation time of the actuation noise.
         thrust_bias: [-] relative thrust error, constant over a flight.
-        position: [m], velocity: [m/s], attitude: [-] (quaternion parts): of the initial state.
-        measured_position: [m], measured_velocity: [m/s], measured_attitude: [-]: white, of the state that the controller sees.
+        position: [m] of the initial state.
+        velocity: [m/s] of the initial state.
+        attitude: [-] of the initial state, quaternion parts.
+        measured_position: [m] of the state that the controller sees, white.
+        measured_velocity: [m/s] likewise.
+        measured_attitude: [-] likewise, quaternion parts.
         wind: [m/s^2] (world) acceleration by gusts, correlated over `wind_time`.
-        wind_time: [s].
+        wind_time: [s] correlation time of the gusts.
     """
 
     thrust: NotNegative = 0.02
@@ -143,6 +152,11 @@ class Rule(StrEnum):
     RELEASED = "released"
 
 
+def _gate_distance(values: dict[str, Any]) -> float:
+    """[m] The paper's 1.3 (below Eq. 6), or the released code's 1.2."""
+    return 1.2 if values.get("rule") == Rule.RELEASED else 1.3
+
+
 class JudgeSettings(Described):
     """How a flight is judged.
 
@@ -156,24 +170,11 @@ class JudgeSettings(Described):
     """
 
     rule: Rule = Rule.CLOCK
-    distance: float = Field(default=0.0, ge=0, le=20)
+    distance: float = Field(default_factory=_gate_distance, gt=0, le=20)
     crash: float = Field(default=10.0, gt=0, le=1000)
     window: tuple[NotNegative, NotNegative] = (1.0, 2.0)
     rate_crash: float = Field(default=60.0, gt=0)
     fly_on: bool = False
-
-    @model_validator(mode="before")
-    @classmethod
-    def _distance(cls, values: object) -> object:
-        if isinstance(values, dict) and "distance" not in values:
-            return {**values, "distance": 1.2 if values.get("rule") == Rule.RELEASED else 1.3}
-        return values
-
-    @model_validator(mode="after")
-    def _positive(self) -> JudgeSettings:
-        if self.distance <= 0:
-            raise ValueError("distance: must be greater than 0")
-        return self
 
 
 class Race(Described):
@@ -184,7 +185,10 @@ class Race(Described):
         track: what is flown.
         vehicle: the truth that flies it.
         model: what controller and planner believe about the vehicle. None: the vehicle.
-        planning, controller, noise, judge: see there.
+        planning: what the planner may use.
+        controller: settings of the controller that are not tuned.
+        noise: what differs from flight to flight.
+        judge: how a flight is judged.
         provenance: where the settings come from.
     """
 

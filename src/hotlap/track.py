@@ -24,6 +24,15 @@ class Gate(Described):
     position: Vector3
     yaw: float | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _bare_position(cls, gate: Any) -> Any:
+        """A gate may be written as a bare [x, y, z]."""
+        table = {"position": gate} if isinstance(gate, (list, tuple)) else gate
+        if isinstance(table, dict) and isinstance(table.get("position"), list):
+            return {**table, "position": tuple(table["position"])}
+        return table
+
 
 class Track(Described):
     """An ordered list of gates. World frame: x forward, y left, z up.
@@ -46,14 +55,6 @@ class Track(Described):
     floor: float | None = None
     provenance: str = ""
 
-    @field_validator("gates", mode="before")
-    @classmethod
-    def _bare_positions(cls, gates: Any) -> Any:
-        """A gate may be written as a bare [x, y, z]."""
-        if not isinstance(gates, (list, tuple)):
-            return gates
-        return tuple({"position": gate} if isinstance(gate, (list, tuple)) else gate for gate in gates)
-
     @field_validator("attitude")
     @classmethod
     def _unit(cls, attitude: tuple[float, ...]) -> tuple[float, ...]:
@@ -65,15 +66,17 @@ class Track(Described):
     @model_validator(mode="after")
     def _apart(self) -> Track:
         points = np.vstack([self.start, self.waypoints])
-        if np.abs(points).max() > REACH:
-            raise ValueError(f"a coordinate of {np.abs(points).max():.3g} m: coordinates are in metres")
+        names = ["start", *(f"gates[{k}]" for k in range(len(self.gates))), "end"]
+        extents = np.abs(points).max(axis=1)
+        if extents.max() > REACH:
+            raise ValueError(f"{names[int(extents.argmax())]}: a coordinate of {extents.max():.3g} m; coordinates are in metres")
         gaps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         if gaps.min() < 1e-6:
             i = int(gaps.argmin())
-            names = ["start", *(f"gate {k}" for k in range(len(self.gates))), "end"]
-            raise ValueError(f"{names[i]} and {names[i + 1]} are the same point")
+            raise ValueError(f"{names[i + 1]}: the same point as {names[i]}, just before it")
         if self.floor is not None and points[:, 2].min() < self.floor:
-            raise ValueError(f"floor = {self.floor:g} m lies above a point of the track at z = {points[:, 2].min():g} m")
+            lowest = int(points[:, 2].argmin())
+            raise ValueError(f"floor: {self.floor:g} m lies above {names[lowest]} at z = {points[lowest, 2]:g} m")
         return self
 
     @property
