@@ -61,7 +61,7 @@ class Track(Described):
         norm = float(np.linalg.norm(attitude))
         if not 0.9 < norm < 1.1:
             raise ValueError(f"a quaternion (w, x, y, z) has norm 1, this one {norm:.3g}")
-        return tuple(value / norm for value in attitude)
+        return attitude if abs(norm - 1) < 1e-12 else tuple(value / norm for value in attitude)  # reading twice changes no bit
 
     @model_validator(mode="after")
     def _apart(self) -> Track:

@@ -1,0 +1,301 @@
+"""Files: tracks, quadrotors, races and tuned parameters as TOML, in and out.
+
+This is the one place that reads what a user wrote, so that each fault is one line with the file, the key and the reason.
+A description may build on another (`base = "circle-34"`), and a race refers to its track and quadrotors by name, by path or
+by a table. Whatever is referred to is read and checked by itself first.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache
+from importlib.resources import files as package_files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from hotlap import toml
+from hotlap.errors import InputError, UnknownNameError
+from hotlap.faults import refuse, show
+from hotlap.quadrotor import Quadrotor
+from hotlap.race import Race
+from hotlap.schema import Described
+from hotlap.track import Track
+
+Description = Track | Quadrotor | Race
+
+MAX_BYTES = 1_000_000  # a description takes a few thousand
+OWN = frozenset({"name", "provenance"})  # keys that a file does not take over from its base
+
+
+class Kind(StrEnum):
+    """What a file describes."""
+
+    RACE = "race"
+    TRACK = "track"
+    QUADROTOR = "quadrotor"
+
+
+TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kind.QUADROTOR: Quadrotor}
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a table stands.
+
+    Attributes:
+        label: what messages call the file.
+        folder: where its relative paths start, None for built-in files.
+        chain: the files that are being read, outermost first.
+    """
+
+    label: str = ""
+    folder: Path | None = None
+    chain: tuple[str, ...] = ()
+
+
+@cache
+def names(kind: Kind) -> tuple[str, ...]:
+    """Names of the built-in descriptions of a kind, sorted."""
+    return tuple(sorted(entry.name.removesuffix(".toml") for entry in _data(kind).iterdir() if entry.name.endswith(".toml")))
+
+
+def load_track(name_or_path: str | Path) -> Track:
+    """A built-in track by name, or one from a TOML file.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    return _load(Kind.TRACK, str(name_or_path), _Place(), "")
+
+
+def load_quadrotor(name_or_path: str | Path) -> Quadrotor:
+    """A built-in quadrotor by name, or one from a TOML file.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    return _load(Kind.QUADROTOR, str(name_or_path), _Place(), "")
+
+
+def load_race(name_or_path: str | Path) -> Race:
+    """A built-in race by name, or one from a TOML file.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    return _load(Kind.RACE, str(name_or_path), _Place(), "")
+
+
+def load(name_or_path: str | Path) -> Description:
+    """A description of any kind: a file tells by its keys what it is; a name is looked up among races, tracks, quadrotors.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    text = str(name_or_path)
+    for kind in Kind:
+        if text in names(kind):
+            return _load(kind, text, _Place(), "")
+    everything = [name for kind in Kind for name in names(kind)]
+    table, _ = _open("race, track or quadrotor", text, everything, _Place(), "")
+    return _load(_kind_of(table, text), text, _Place(), "")
+
+
+def save(path: str | Path, description: Description) -> None:
+    """Write a description with everything that it refers to; reading it gives an equal one.
+
+    Raises:
+        InputError: when the file cannot be written.
+    """
+    replace(path, toml.write(description.model_dump(mode="json", exclude_none=True)))
+
+
+def create(path: str | Path, text: str) -> None:
+    """Write a new file, never over an existing one.
+
+    Raises:
+        InputError: when there is one already, or it cannot be written.
+    """
+    try:
+        with Path(path).open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(str(path), "", "exists already and is left as it is") from None
+    except (OSError, ValueError) as error:
+        raise InputError(str(path), "", f"cannot be written: {_cause(error)}") from None
+
+
+def replace(path: str | Path, text: str) -> None:
+    """Write a file whole or not at all, over an older one if there is one.
+
+    Raises:
+        InputError: when it cannot be written.
+    """
+    path = Path(path)
+    try:
+        part = path.with_name(path.name + ".part")
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    except (OSError, ValueError) as error:
+        raise InputError(str(path), "", f"cannot be written: {_cause(error)}") from None
+
+
+def read(path: Path | Traversable, label: str) -> dict[str, Any]:
+    """The table of a TOML file.
+
+    Args:
+        path: the file.
+        label: what messages call it.
+
+    Raises:
+        InputError: when it cannot be read, or is no TOML.
+    """
+    try:
+        if not path.is_file():
+            raise InputError(label, "", "is a folder, not a file" if path.is_dir() else "there is no such file")
+        content = path.read_bytes() if not isinstance(path, Path) or path.stat().st_size <= MAX_BYTES else None
+        if content is None:
+            raise InputError(label, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is not a description")
+        return tomllib.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise InputError(label, "", f"is not UTF-8 text (byte {error.start + 1})") from None
+    except RecursionError:
+        raise InputError(label, "", "is not valid TOML: nested too deeply") from None
+    except OSError as error:
+        raise InputError(label, "", f"cannot be read: {_cause(error)}") from None
+    except ValueError as error:
+        raise InputError(label, "", f"is not valid TOML: {error}") from None
+
+
+def _data(kind: Kind) -> Traversable:
+    return package_files("hotlap") / "data" / f"{Kind(kind)}s"
+
+
+def _load(kind: Kind, reference: str, place: _Place, key: str) -> Any:
+    """Read, complete and check the description that a name or path refers to."""
+    table, inner = _open(kind, reference, names(kind), place, key)
+    base = table.pop("base", None)
+    parent = None if base is None else _refer(kind, base, inner, "base")
+    table.setdefault("name", Path(reference).stem if inner.folder else reference)
+    return _build(kind, table, parent, inner, "")
+
+
+def _open(kind: str, reference: str, known: Any, place: _Place, key: str) -> tuple[dict[str, Any], _Place]:
+    """The table that a name or path refers to, and where it stands."""
+    if kind in TYPES and reference in known:
+        label = f"built-in {kind} {reference}"
+        path, inner = _data(Kind(kind)) / f"{reference}.toml", _Place(label, None, (*place.chain, label))
+    else:
+        path = _find(kind, reference, known, place, key)
+        label = str(path)
+        inner = _Place(label, path.parent, (*place.chain, str(path.absolute().resolve())))
+    if inner.chain[-1] in place.chain:
+        raise InputError(place.label, key, f"{reference} refers back to itself: {' -> '.join(Path(name).name for name in inner.chain)}")
+    return read(path, label), inner
+
+
+def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Path:
+    """The file that a path refers to: from the folder of the file that says so, else from the working folder."""
+    try:
+        candidates = [Path(reference).expanduser()]
+        if place.folder is not None and not candidates[0].is_absolute():
+            candidates.insert(0, place.folder / candidates[0])
+        found = next((path for path in candidates if path.exists()), None)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(place.label, key, f"{show(reference)} is no usable path: {_cause(error)}") from None
+    looks_like_path = "/" in reference or "\\" in reference or reference.endswith(".toml")
+    if found is not None and (looks_like_path or found.is_file()):
+        return found
+    if not looks_like_path:
+        raise UnknownNameError(kind, reference, known, place.label, key)
+    if place.label:
+        raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}")
+    raise InputError(reference, "", "there is no such file")
+
+
+def _refer(kind: Kind, value: Any, place: _Place, key: str, inherited: Described | None = None) -> Described:
+    """A description written as a name, a path or a table; a table builds on its `base`, or on what is inherited."""
+    if isinstance(value, str):
+        return _load(kind, value, place, key)
+    if not isinstance(value, dict) or key == "base":
+        wanted = "a name or a path" if key.endswith("base") else "a name, a path or a table"
+        raise InputError(place.label, key, f"must be {wanted}, not {show(value)}")
+    table = dict(value)
+    parent = inherited
+    if "base" in table:
+        base = table.pop("base")
+        if not isinstance(base, str):
+            raise InputError(place.label, f"{key}.base", f"must be a name or a path, not {show(base)}")
+        parent = _load(kind, base, place, f"{key}.base")
+    if parent is None:
+        table.setdefault("name", key)
+    return _build(kind, table, parent, place, key)
+
+
+def _build(kind: Kind, table: dict[str, Any], parent: Described | None, place: _Place, key: str) -> Any:
+    """Check a table, completed by what it builds on."""
+    if kind is Kind.RACE:
+        table = _with_references(table, parent, place)
+    whole = _overlay(parent, table, OWN if not key else frozenset())
+    try:  # as JSON: strict about types, yet lists may stand for tuples and names for enumerations
+        text = json.dumps(whole, default=_encode)
+        return TYPES[kind].model_validate_json(text, strict=True)
+    except ValidationError as error:
+        raise refuse(error, TYPES[kind], place.label, key) from None
+
+
+def _with_references(table: dict[str, Any], parent: Any, place: _Place) -> dict[str, Any]:
+    """A race's table with its track and quadrotors in place of their names."""
+    table = dict(table)
+    for name, kind in (("track", Kind.TRACK), ("vehicle", Kind.QUADROTOR), ("model", Kind.QUADROTOR)):
+        if name in table:
+            table[name] = _refer(kind, table[name], place, name, getattr(parent, name, None))
+    planning = table.get("planning")
+    if isinstance(planning, dict) and "quadrotor" in planning:
+        inherited = parent.planning.quadrotor if parent is not None else None
+        quadrotor = _refer(Kind.QUADROTOR, planning["quadrotor"], place, "planning.quadrotor", inherited)
+        table["planning"] = {**planning, "quadrotor": quadrotor}
+    return table
+
+
+def _overlay(parent: Described | None, table: dict[str, Any], dropped: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """A table laid over a description: tables merge key by key, everything else replaces."""
+    if parent is None:
+        return table
+    merged = {name: getattr(parent, name) for name in parent.model_fields_set - dropped}
+    for key, value in table.items():
+        inherited = getattr(parent, key, None)
+        overlaid = isinstance(value, dict) and isinstance(inherited, Described)
+        merged[key] = _overlay(inherited, value) if overlaid else value
+    return merged
+
+
+def _encode(value: Any) -> Any:
+    """What JSON has no form for: descriptions, and TOML's dates as text."""
+    return value.model_dump(mode="json", exclude_unset=True) if isinstance(value, Described) else str(value)
+
+
+def _kind_of(table: dict[str, Any], label: str) -> Kind:
+    """What a table describes, by the keys that only one kind has."""
+    shared = set.intersection(*(set(description.model_fields) for description in TYPES.values()))
+    counts = {kind: len((set(table) - shared) & set(description.model_fields)) for kind, description in TYPES.items()}
+    best = max(counts, key=lambda kind: counts[kind])
+    if counts[best]:
+        return best
+    base = table.get("base")
+    for kind in Kind:
+        if isinstance(base, str) and base in names(kind):
+            return kind
+    raise InputError(label, "", "is neither a race (it has a track), a track (gates) nor a quadrotor (mass)")
+
+
+def _cause(error: Exception) -> str:
+    """The operating system's words, without number and file name."""
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
