@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -15,6 +16,8 @@ from hotlap.schema import Described
 from hotlap.toml import write_value
 
 Location = tuple[int | str, ...]
+
+D = TypeVar("D", bound=Described)
 
 _KEYED = re.compile(r"(?P<key>[A-Za-z_]\w*(?:\[\d+\])?(?:\.\w+)*): (?P<reason>.*)", re.DOTALL)
 
@@ -37,15 +40,47 @@ _REASONS: dict[str, Callable[[dict[str, Any]], str]] = {
 }
 
 
-def refuse(error: ValidationError, description: type[Described], source: str, prefix: str = "") -> InputError:
-    """The first fault of a table, with its key, and how many more there are.
+def check(description: type[D], table: Mapping[str, Any], source: str, prefix: str = "") -> D:
+    """A description from a file's table.
 
     Args:
-        error: what pydantic found.
-        description: what the table should have been.
+        description: what the table should be.
+        table: what was read; descriptions may stand in it.
         source: the file.
         prefix: dotted key of the table within the file, or "" for the whole file.
+
+    Raises:
+        InputError: the first fault of the table, with its key, and how many more there are.
     """
+    try:  # as JSON: strict about types, yet lists may stand for tuples and names for enumerations
+        return description.model_validate_json(json.dumps(table, default=_encode), strict=True)
+    except ValidationError as error:
+        raise _refuse(error, description, source, prefix) from None
+
+
+def unknown_key(name: str, available: Sequence[str]) -> str:
+    """What to say about a key that is not known."""
+    near = get_close_matches(name, available, n=1)
+    hint = f" (did you mean {near[0]}?)" if near else ""
+    return f"there is no such key{hint}; available: {', '.join(available)}"
+
+
+def show(value: Any) -> str:
+    """A value as it stands in the file, shortened."""
+    try:
+        text = write_value(value)
+    except (TypeError, ValueError, OverflowError):
+        text = str(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _encode(value: Any) -> Any:
+    """What JSON has no form for: descriptions, and TOML's dates as text."""
+    return value.model_dump(mode="json", exclude_unset=True) if isinstance(value, Described) else str(value)
+
+
+def _refuse(error: ValidationError, description: type[Described], source: str, prefix: str) -> InputError:
+    """The first fault in words, and how many more there are."""
     faults: list[tuple[str, str]] = []
     found = error.errors(include_url=False)
     for fault in sorted(found, key=lambda fault: fault["type"] != "extra_forbidden"):  # a misspelt key explains a missing one
@@ -58,14 +93,7 @@ def refuse(error: ValidationError, description: type[Described], source: str, pr
     return InputError(source, ".".join(part for part in (prefix, key) if part), reason + also)
 
 
-def unknown_key(name: str, available: Sequence[str]) -> str:
-    """What to say about a key that is not known."""
-    near = get_close_matches(name, available, n=1)
-    hint = f" (did you mean {near[0]}?)" if near else ""
-    return f"there is no such key{hint}; available: {', '.join(available)}"
-
-
-def write_location(location: Location) -> str:
+def _write_location(location: Location) -> str:
     """`("gates", 3, "position")` as `gates[3].position`."""
     text = ""
     for part in location:
@@ -73,50 +101,42 @@ def write_location(location: Location) -> str:
     return text
 
 
-def show(value: Any) -> str:
-    """A value as it stands in the file, shortened."""
-    try:
-        text = write_value(value)
-    except (TypeError, ValueError, OverflowError):
-        text = str(value)
-    return text if len(text) <= 40 else text[:37] + "..."
-
-
 def _word(fault: dict[str, Any], locations: list[Location], description: type[Described]) -> tuple[str, str]:
     """Key and reason of one fault."""
     kind, location, value, context = fault["type"], fault["loc"], fault["input"], fault.get("ctx", {})
     if kind == "extra_forbidden":
         owner = _owner(description, location)
-        return write_location(location), unknown_key(str(location[-1]), [key.name for key in documented_keys(owner)])
+        available = [key.name for key in documented_keys(owner)] + ["base"] * ("name" in owner.model_fields)
+        return _write_location(location), unknown_key(str(location[-1]), available)
     if kind == "missing":
         return _missing(location, value, locations, description)
     if kind == "too_short":
-        return write_location(location), "must have at least one entry"
+        return _write_location(location), "must have at least one entry"
     if kind == "too_long":
-        return write_location(location), f"must have {context['max_length']} values, not {context['actual_length']}"
+        return _write_location(location), f"must have {context['max_length']} values, not {context['actual_length']}"
     if kind == "value_error":
         return _keyed(location, str(context["error"]))
     worded = _REASONS.get(kind)
     reason = worded(context) if worded else fault["msg"][:1].lower() + fault["msg"][1:]
-    return write_location(location), f"{reason}, not {show(value)}"
+    return _write_location(location), f"{reason}, not {show(value)}"
 
 
 def _missing(location: Location, value: Any, locations: list[Location], description: type[Described]) -> tuple[str, str]:
     """A required key that is not there, or a list that is too short."""
     if isinstance(location[-1], int):
         wanted = 1 + max(other[-1] for other in locations if other[:-1] == location[:-1] and isinstance(other[-1], int))
-        return write_location(location[:-1]), f"must have {wanted} values, not {len(value)}"
+        return _write_location(location[:-1]), f"must have {wanted} values, not {len(value)}"
     key = next(key for key in documented_keys(_owner(description, location)) if key.name == location[-1])
     meaning = " ".join(part for part in (f"[{key.unit}]" if key.unit else "", key.meaning) if part)
-    return write_location(location), f"is missing; it is needed: {meaning}"
+    return _write_location(location), f"is missing; it is needed: {meaning}"
 
 
 def _keyed(location: Location, message: str) -> tuple[str, str]:
     """A validator's message; one about a whole table begins with the key that it is about."""
     match = _KEYED.fullmatch(message)
     if match is None:
-        return write_location(location), message
-    return ".".join(part for part in (write_location(location), match["key"]) if part), match["reason"]
+        return _write_location(location), message
+    return ".".join(part for part in (_write_location(location), match["key"]) if part), match["reason"]
 
 
 def _owner(description: type[Described], location: Location) -> type[Described]:
@@ -128,5 +148,7 @@ def _owner(description: type[Described], location: Location) -> type[Described]:
 
 
 def _follows(location: Location, kind: str, found: Sequence[Any]) -> bool:
-    """Whether a fault only says that a list is short because its items are faulty."""
+    """Whether a fault is only the consequence of another: a default not worked out, a list short because its items are faulty."""
+    if kind == "default_factory_not_called":
+        return True
     return kind == "too_short" and any(other["loc"][: len(location)] == location != other["loc"] for other in found)

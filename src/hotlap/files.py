@@ -7,7 +7,6 @@ by a table. Whatever is referred to is read and checked by itself first.
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,18 +17,18 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from hotlap import toml
 from hotlap.errors import InputError, UnknownNameError
-from hotlap.faults import refuse, show
+from hotlap.faults import check, show
 from hotlap.quadrotor import Quadrotor
 from hotlap.race import Race
+from hotlap.saved_parameters import SavedParameters
 from hotlap.schema import Described
 from hotlap.track import Track
 
 Description = Track | Quadrotor | Race
 
+PARAMETERS_FILE = "parameters.toml"  # in a study's folder
 MAX_BYTES = 1_000_000  # a description takes a few thousand
 OWN = frozenset({"name", "provenance"})  # keys that a file does not take over from its base
 
@@ -103,7 +102,7 @@ def load(name_or_path: str | Path) -> Description:
     for kind in Kind:
         if text in names(kind):
             return _load(kind, text, _Place(), "")
-    everything = [name for kind in Kind for name in names(kind)]
+    everything = {name for kind in Kind for name in names(kind)}
     table, _ = _open("race, track or quadrotor", text, everything, _Place(), "")
     return _load(_kind_of(table, text), text, _Place(), "")
 
@@ -115,6 +114,30 @@ def save(path: str | Path, description: Description) -> None:
         InputError: when the file cannot be written.
     """
     replace(path, toml.write(description.model_dump(mode="json", exclude_none=True)))
+
+
+def load_parameters(path: str | Path) -> SavedParameters:
+    """Tuned parameters from a file, or from the `parameters.toml` of a study's folder.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = path / PARAMETERS_FILE
+    if not path.exists():
+        raise InputError(str(path), "", "there is no such file")
+    return SavedParameters.from_table(read(path, str(path)), str(path))
+
+
+def save_parameters(path: str | Path, parameters: SavedParameters) -> None:
+    """Write tuned parameters; reading them gives the same values bit for bit.
+
+    Raises:
+        InputError: when the file cannot be written.
+    """
+    head = f"# Tuned by hotlap for {parameters.race}; flown by: hotlap fly RACE --parameters THIS_FILE\n"
+    replace(path, head + toml.write(parameters.to_table()))
 
 
 def create(path: str | Path, text: str) -> None:
@@ -159,7 +182,7 @@ def read(path: Path | Traversable, label: str) -> dict[str, Any]:
     """
     try:
         if not path.is_file():
-            raise InputError(label, "", "is a folder, not a file" if path.is_dir() else "there is no such file")
+            raise InputError(label, "", "is a folder, not a file" if path.is_dir() else "is not a file of text")
         content = path.read_bytes() if not isinstance(path, Path) or path.stat().st_size <= MAX_BYTES else None
         if content is None:
             raise InputError(label, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is not a description")
@@ -206,7 +229,7 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
     try:
         candidates = [Path(reference).expanduser()]
         if place.folder is not None and not candidates[0].is_absolute():
-            candidates.insert(0, place.folder / candidates[0])
+            candidates = list(dict.fromkeys([place.folder / candidates[0], candidates[0]]))
         found = next((path for path in candidates if path.exists()), None)
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(place.label, key, f"{show(reference)} is no usable path: {_cause(error)}") from None
@@ -244,11 +267,7 @@ def _build(kind: Kind, table: dict[str, Any], parent: Described | None, place: _
     if kind is Kind.RACE:
         table = _with_references(table, parent, place)
     whole = _overlay(parent, table, OWN if not key else frozenset())
-    try:  # as JSON: strict about types, yet lists may stand for tuples and names for enumerations
-        text = json.dumps(whole, default=_encode)
-        return TYPES[kind].model_validate_json(text, strict=True)
-    except ValidationError as error:
-        raise refuse(error, TYPES[kind], place.label, key) from None
+    return check(TYPES[kind], whole, place.label, key)
 
 
 def _with_references(table: dict[str, Any], parent: Any, place: _Place) -> dict[str, Any]:
@@ -275,11 +294,6 @@ def _overlay(parent: Described | None, table: dict[str, Any], dropped: frozenset
         overlaid = isinstance(value, dict) and isinstance(inherited, Described)
         merged[key] = _overlay(inherited, value) if overlaid else value
     return merged
-
-
-def _encode(value: Any) -> Any:
-    """What JSON has no form for: descriptions, and TOML's dates as text."""
-    return value.model_dump(mode="json", exclude_unset=True) if isinstance(value, Described) else str(value)
 
 
 def _kind_of(table: dict[str, Any], label: str) -> Kind:
