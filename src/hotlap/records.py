@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
 
 import numpy as np
@@ -88,6 +88,7 @@ class Scores:
         failed_segment: shape (B,) segment of the first missed gate; -1 where all were passed.
         gate_distance: shape (B, M) [m] as the rule measures it; NaN where the flight did not get there.
         mean_error, max_error: shape (B,) [m].
+        lap_time: shape (B,) [s] of complete flights; NaN for the others.
     """
 
     cost: Floats
@@ -96,10 +97,15 @@ class Scores:
     gate_distance: Floats
     mean_error: Floats
     max_error: Floats
+    lap_time: Floats
 
     def __len__(self) -> int:
         """B, the number of flights."""
         return len(self.cost)
+
+    def rows(self, rows: slice) -> Scores:
+        """The scores of some of the flights."""
+        return Scores(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     @property
     def complete(self) -> NDArray[np.bool_]:
