@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from enum import StrEnum
 from types import UnionType
 from typing import Any, get_args
 
@@ -42,7 +43,9 @@ def documented_keys(description: type[Described]) -> tuple[Key, ...]:
         text = meanings.get(name, "")
         unit = _UNIT.match(text)
         default = None if field.is_required() else field.get_default(call_default_factory=True, validated_data={})
-        meaning = _UNIT.sub("", text).rstrip(".")
+        meaning = _UNIT.sub("", text).rstrip(".").replace("None: ", "Without it: ")
+        if isinstance(default, StrEnum):
+            meaning += f": {', '.join(type(default))}"
         keys.append(Key(name, unit[1] if unit else "", meaning, field.is_required(), default, table_of(description, name)))
     return tuple(keys)
 

@@ -38,7 +38,7 @@ class Quadrotor(Described):
         mass: [kg] ready to fly, battery included.
         inertia: [kg m^2] (body) principal moments.
         arm: [m] distance of a rotor from the centre of mass.
-        layout: "x" or "plus".
+        layout: where the rotors sit.
         rotor_thrust: [N] least and largest thrust of one rotor.
         torque_ratio: [m] yaw torque over thrust of a rotor.
         motor_time: [s] time constant of rotor speed, up and down.

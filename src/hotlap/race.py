@@ -32,7 +32,7 @@ class PlanningSettings(Described):
 
     Attributes:
         quadrotor: the planning model. None: the vehicle with `thrust_share` of its thrust.
-        thrust_share: [-] share of the vehicle's rotor thrust left to the plan when `quadrotor` is None.
+        thrust_share: [-] share of the vehicle's rotor thrust left to the plan where no `quadrotor` is given.
         v_max: [m/s] terminal speed of the planner's linear drag at full thrust in level flight. None: the quadrotor's own drag.
         tolerance: [m] how far from a waypoint the plan may pass.
         nodes: shooting intervals between two waypoints.
