@@ -1,0 +1,45 @@
+"""Write the tables of keys in files.md from the descriptions themselves: python docs/tables.py."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from hotlap import race, toml, track
+from hotlap.keys import documented_keys
+from hotlap.quadrotor import Quadrotor
+from hotlap.schema import Described
+
+PAGE = Path(__file__).with_name("files.md")
+DESCRIPTIONS: dict[str, type[Described]] = {
+    "track": track.Track,
+    "gate": track.Gate,
+    "quadrotor": Quadrotor,
+    "race": race.Race,
+    "planning": race.PlanningSettings,
+    "ramp": race.Ramp,
+    "controller": race.ControllerSettings,
+    "noise": race.NoiseSettings,
+    "judge": race.JudgeSettings,
+}
+BLOCK = re.compile(r"(<!-- keys: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def table(description: type[Described]) -> str:
+    """A row for each key."""
+    rows = ["| key | unit | meaning | default |", "|---|---|---|---|"]
+    for key in documented_keys(description):
+        plain = key.default is not None and key.table is None
+        needed = "the file's own name" if key.name == "name" else "*required*"
+        default = needed if key.required else f"`{toml.write_value(key.default)}`" if plain else ""
+        rows.append(f"| `{key.name}` | {key.unit} | {key.meaning.replace('|', chr(92) + '|')} | {default} |")
+    return "\n".join(rows) + "\n"
+
+
+def fill(text: str) -> str:
+    """The page with its tables brought up to date."""
+    return BLOCK.sub(lambda block: block[1] + table(DESCRIPTIONS[block[2]]) + block[3], text)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(fill(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
