@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
 
@@ -106,6 +107,11 @@ class Scores:
     def rows(self, rows: slice) -> Scores:
         """The scores of some of the flights."""
         return Scores(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    @staticmethod
+    def join(parts: Sequence[Scores]) -> Scores:
+        """The scores of one batch behind the other; at least one."""
+        return Scores(**{field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Scores)})
 
     @property
     def complete(self) -> NDArray[np.bool_]:

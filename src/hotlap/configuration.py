@@ -1,0 +1,128 @@
+"""Configuration: everything that decides how a tuning goes, in a form that can be kept and compared."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from hotlap import tuners
+from hotlap.course import Course
+from hotlap.goal import parse_goal
+from hotlap.parameters import Parameters
+from hotlap.race import Race
+from hotlap.reference import Reference
+from hotlap.scoring import Metric
+from hotlap.segmentation import SegmentClass, Segments
+from hotlap.tuning import TuningSettings
+
+MAY_DIFFER = ("budget", "provenance")  # a study may be given a larger budget; where numbers come from does not change a flight
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What a study is a study of.
+
+    Attributes:
+        course: race, reference and segments.
+        world: name of the world.
+        metric: what the cost measures.
+        tuner: name with preset.
+        settings: goal, budget, seed, confirmations, batch.
+        first_guess: shape (S, K).
+    """
+
+    course: Course
+    world: str
+    metric: Metric
+    tuner: str
+    settings: TuningSettings
+    first_guess: Parameters
+
+    @property
+    def fingerprint(self) -> str:
+        """Sixteen hexadecimal digits that change whenever something changes that a study must not mix."""
+        text = json.dumps(sorted(compared(self.dump()).items()))
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON; the reference by its fingerprint."""
+        segments, tuner = self.course.segments, tuners.build(self.tuner)
+        return {
+            "race": self.course.race.model_dump(mode="json"),
+            "reference": fingerprint_reference(self.course.reference),
+            "segments": {"starts": segments.starts.tolist(), "classes": list(segments.classes), "duration": segments.duration},
+            "world": self.world,
+            "metric": self.metric,
+            "tuner": {"name": tuner.name, **asdict(tuner.settings)},
+            **{field.name: getattr(self.settings, field.name) for field in fields(TuningSettings) if field.name != "goal"},
+            "goal": str(self.settings.goal),
+            "first_guess": self.first_guess.tolist(),
+        }
+
+
+def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Configuration:
+    """The inverse of `Configuration.dump`, given the reference."""
+    segments = plain["segments"]
+    classes = tuple(SegmentClass(name) for name in segments["classes"])
+    numbers = {name: plain[name] for name in ("budget", "seed", "confirmations", "batch")}
+    return Configuration(
+        course=Course(Race.model_validate(plain["race"]), reference, Segments(np.array(segments["starts"]), classes, segments["duration"])),
+        world=plain["world"],
+        metric=Metric(plain["metric"]),
+        tuner=plain["tuner"]["name"],
+        settings=TuningSettings(goal=parse_goal(plain["goal"]), **numbers),
+        first_guess=np.array(plain["first_guess"]),
+    )
+
+
+def compared(plain: Mapping[str, Any]) -> dict[str, Any]:
+    """Dotted keys and values of a dump, without those that may differ between runs of one study."""
+    flat = dict(_flatten(json.loads(json.dumps(plain)), ""))
+    return {key: value for key, value in flat.items() if key.rpartition(".")[2] not in MAY_DIFFER}
+
+
+def first_difference(stored: Mapping[str, Any], asked: Mapping[str, Any]) -> tuple[str, Any, Any] | None:
+    """Dotted key and both values of the first difference between two dumps, or None."""
+    mine, theirs = compared(stored), compared(asked)
+    for key in {**mine, **theirs}:
+        if mine.get(key) != theirs.get(key):
+            return key, mine.get(key), theirs.get(key)
+    return None
+
+
+def fingerprint_reference(reference: Reference) -> str:
+    """Sixteen hexadecimal digits of everything in a reference that a flight depends on."""
+    digest = hashlib.sha256()
+    for values in (reference.table, reference.gate_times, np.array([reference.duration, reference.period])):
+        digest.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
+    return digest.hexdigest()[:16]
+
+
+def pack_reference(reference: Reference) -> bytes:
+    """A reference as one compressed block, bit for bit."""
+    block = io.BytesIO()
+    arrays: dict[str, Any] = {name: np.asarray(values) for name, values in vars(reference).items()}
+    np.savez_compressed(block, **arrays)
+    return block.getvalue()
+
+
+def unpack_reference(block: bytes) -> Reference:
+    """The inverse of `pack_reference`."""
+    with np.load(io.BytesIO(block), allow_pickle=False) as arrays:
+        values: dict[str, Any] = {name: arrays[name] if arrays[name].ndim else float(arrays[name]) for name in arrays.files}
+    return Reference(**values)
+
+
+def _flatten(value: Any, key: str) -> Iterator[tuple[str, Any]]:
+    """Leaves of nested tables; lists are leaves, so that a message shows them whole."""
+    if isinstance(value, dict):
+        for name, item in value.items():
+            yield from _flatten(item, f"{key}.{name}" if key else name)
+    else:
+        yield key, value

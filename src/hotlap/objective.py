@@ -1,0 +1,53 @@
+"""Objective: parameters in, scores out; a course, a world and a metric bound together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.course import Course
+from hotlap.parameters import Parameters
+from hotlap.records import Flights, Scores
+from hotlap.scoring import Metric, score
+from hotlap.worlds.world import World
+
+
+@dataclass
+class Objective:
+    """The only thing that a tuning loop sees of flying (Eq. 1 of the paper, sampled).
+
+    Attributes:
+        course: what is flown.
+        world: where.
+        metric: what the cost measures.
+        flights: how many have been flown through it.
+    """
+
+    course: Course
+    world: World
+    metric: Metric = Metric.TIME
+    flights: int = field(default=0, init=False)
+
+    def fly(self, parameters: Parameters, seeds: NDArray[np.int64]) -> Scores:
+        """What each flight was worth.
+
+        Args:
+            parameters: shape (B, S, K).
+            seeds: shape (B,), the noise of each flight.
+        """
+        return self.fly_recorded(parameters, seeds)[1]
+
+    def fly_recorded(self, parameters: Parameters, seeds: NDArray[np.int64], log: Sequence[int] = ()) -> tuple[Flights, Scores]:
+        """The same, with what happened.
+
+        Args:
+            parameters: shape (B, S, K).
+            seeds: shape (B,), the noise of each flight.
+            log: indices in the batch of the flights to record in full.
+        """
+        flights = self.world.fly(self.course, parameters, seeds, log=log)
+        self.flights += len(flights)
+        return flights, score(flights, self.course.race.judge, self.metric)

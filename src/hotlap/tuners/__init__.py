@@ -1,0 +1,47 @@
+"""Tuners by name: one algorithm, one file; `build` makes one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from hotlap.errors import UnknownNameError
+from hotlap.tuners import metropolis_hastings, random_search
+from hotlap.tuners.metropolis_hastings import MetropolisHastings
+from hotlap.tuners.random_search import RandomSearch
+from hotlap.tuners.tuner import Tuner
+
+DEFAULT = "metropolis_hastings"
+
+_ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
+    "metropolis_hastings": (MetropolisHastings, metropolis_hastings.PRESETS),
+    "random_search": (RandomSearch, random_search.PRESETS),
+}
+
+
+def names() -> tuple[str, ...]:
+    """Every algorithm with each of its presets, `NAME:PRESET`; the first preset of an algorithm is its default."""
+    return tuple(f"{algorithm}:{preset}" for algorithm, (_, presets) in _ALGORITHMS.items() for preset in presets)
+
+
+def build(name: str) -> Tuner:
+    """A tuner, not yet started.
+
+    Args:
+        name: `ALGORITHM` or `ALGORITHM:PRESET`; the preset may be `default`.
+
+    Raises:
+        UnknownNameError: with the names that there are.
+    """
+    algorithm, separator, preset = name.partition(":")
+    if algorithm not in _ALGORITHMS:
+        raise UnknownNameError("tuner", name, (*_ALGORITHMS, *names()), "--tuner")
+    make, presets = _ALGORITHMS[algorithm]
+    if not separator or preset == "default":
+        preset = next(iter(presets))
+    if preset not in presets:
+        raise UnknownNameError(f"preset of {algorithm}", preset, (*presets, "default"), "--tuner")
+    return make(f"{algorithm}:{preset}", presets[preset])
+
+
+__all__ = ["DEFAULT", "Tuner", "build", "names"]

@@ -1,0 +1,91 @@
+"""Random search: parameters drawn without regard to what was flown; the least that a tuner must beat."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.records import Scores
+
+
+class Draw(StrEnum):
+    """Where parameters are drawn from.
+
+    AROUND: uniformly around the first guess, each axis by itself, mirrored at the bounds.
+    UNIFORM: uniformly within the bounds, each axis by itself.
+    LOG_UNIFORM: uniformly in logarithms within the bounds, one draw for all segments.
+    """
+
+    AROUND = "around"
+    UNIFORM = "uniform"
+    LOG_UNIFORM = "log_uniform"
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What tells one search from another.
+
+    Attributes:
+        draw: where parameters are drawn from.
+        variance: of each axis, in its own units squared, for AROUND.
+    """
+
+    draw: Draw
+    variance: float = 5.0
+
+
+PRESETS: Mapping[str, Settings] = {
+    "paper": Settings(Draw.AROUND),  # uniform, independent per axis, variance 5, Table I
+    "uniform": Settings(Draw.UNIFORM),
+    "log_uniform": Settings(Draw.LOG_UNIFORM),
+}
+
+
+class RandomSearch:
+    """Independent draws, after the first guess itself; it learns nothing."""
+
+    def __init__(self, name: str, settings: Settings) -> None:
+        self.name, self.settings = name, settings
+
+    def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
+        """Begin with the first guess."""
+        self._space, self._rng = space, rng
+        self._first_guess = space.clip(first_guess)
+        self._asked = False
+
+    def ask(self, n: int) -> Parameters:
+        """The next n draws, shape (n, S, K)."""
+        fresh = [] if self._asked else [self._first_guess]
+        self._asked = True
+        fresh += [self._draw() for _ in range(n - len(fresh))]
+        return np.array(fresh)
+
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  it learns nothing
+        """Nothing comes of it: no draw is gone on from."""
+        return np.zeros(len(parameters), dtype=np.bool_)
+
+    def state(self) -> dict[str, Any]:
+        """The random generator, and whether the first guess has been asked for."""
+        return {"asked": self._asked, "rng": self._rng.bit_generator.state}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on where `state()` was taken."""
+        self._asked = state["asked"]
+        self._rng.bit_generator.state = state["rng"]
+
+    def _draw(self) -> Parameters:
+        """One set of parameters, shape (S, K)."""
+        shape = self._first_guess.shape
+        if self.settings.draw is Draw.AROUND:
+            half_width = math.sqrt(3 * self.settings.variance)  # of a uniform density with this variance
+            return self._space.reflect(self._first_guess + self._rng.uniform(-half_width, half_width, shape))
+        if self.settings.draw is Draw.UNIFORM:
+            return self._space.clip(self._rng.uniform(self._space.low, self._space.high, shape))
+        return np.tile(self._space.from_unit(self._rng.random(shape[1])), (shape[0], 1))

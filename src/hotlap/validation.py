@@ -1,0 +1,73 @@
+"""Validation: how often tuned parameters succeed, flown with fresh noise that the search never met."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hotlap.goal import Goal
+from hotlap.ledger import Ledger, enter
+from hotlap.objective import Objective
+from hotlap.parameters import Parameters
+from hotlap.seeds import Stream, flight_seeds
+
+FLIGHTS = 200
+Z_95 = 1.959963984540054  # the normal quantile of a two-sided 95 % interval
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Successes among independent flights.
+
+    Attributes:
+        flights: how many were flown.
+        successes: how many met the goal.
+    """
+
+    flights: int
+    successes: int
+
+    @property
+    def rate(self) -> float:
+        """Share of successes, 0 to 1."""
+        return self.successes / self.flights
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Wilson's 95 % interval of the rate."""
+        return wilson_interval(self.successes, self.flights)
+
+
+def validate(objective: Objective, goal: Goal, parameters: Parameters, seed: int, flights: int = FLIGHTS) -> tuple[Validation, Ledger]:
+    """Fly the same parameters many times more.
+
+    Args:
+        objective: what flies.
+        goal: what counts as a success; without a goal, a complete flight.
+        parameters: shape (S, K).
+        seed: the run's; validation has a stream of noise of its own.
+        flights: how many, at least 1.
+    """
+    seeds = flight_seeds(seed, Stream.VALIDATION, 0, flights)
+    repeated = np.repeat(parameters[None], flights, axis=0)
+    scores = objective.fly(repeated, seeds)
+    successes = int(goal.succeeded(scores).sum())
+    return Validation(flights, successes), enter(0, Stream.VALIDATION, repeated, seeds, scores)
+
+
+def wilson_interval(successes: int, flights: int, z: float = Z_95) -> tuple[float, float]:
+    """Score interval of a rate (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927); honest also at rates of 0 and 1.
+
+    Args:
+        successes: of `flights`.
+        flights: at least 1.
+        z: normal quantile; default for 95 %.
+    """
+    rate = successes / flights
+    centre = rate + z**2 / (2 * flights)
+    half_width = z * math.sqrt(rate * (1 - rate) / flights + z**2 / (4 * flights**2))
+    scale = 1 + z**2 / flights
+    low, high = (centre - half_width) / scale, (centre + half_width) / scale
+    return max(low, 0.0) if successes else 0.0, min(high, 1.0) if successes < flights else 1.0

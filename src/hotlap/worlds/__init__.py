@@ -1,0 +1,1 @@
+"""Worlds: where flights happen; all answer to the protocol of `world.py`."""
