@@ -1,0 +1,71 @@
+# Needs Python 3.11 or later, git and make; everything else is installed into .venv.
+#
+#   make tune      tune circle-34 (RACE=flip-16 for another race, ARGS="--seed 1" for options)
+#   make test      run the tests
+#   make lint      check style            make types     check types
+#   make bench     measure the flights    make studies   run the tests of minutes
+#   make clean     remove .venv and caches
+
+CANDIDATES := python3.11 python3.12 python3.13 python3 python
+PYTHON ?= $(shell for python in $(CANDIDATES); do \
+	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$python && break; done)
+VENV := .venv
+BIN := $(VENV)/bin
+RACE ?= circle-34
+ARGS ?=
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: tune test lint types bench studies venv docs clean
+.DELETE_ON_ERROR:
+
+tune: $(VENV)/.hotlap
+	$(BIN)/hotlap tune $(RACE) $(ARGS)
+
+test: $(VENV)/.test
+	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+
+studies: $(VENV)/.test
+	$(BIN)/python -m pytest -m slow $(ARGS)
+
+lint: $(VENV)/.lint
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+
+types: $(VENV)/.dev
+	$(BIN)/pyright --pythonpath $(BIN)/python
+
+bench: $(VENV)/.hotlap
+	$(BIN)/hotlap bench $(ARGS)
+
+docs: $(VENV)/.hotlap
+	$(BIN)/python docs/tables.py
+
+venv: $(VENV)/.dev
+
+clean:
+	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .hypothesis .benchmarks
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# Each stamp says that its group is installed, and is older than nothing it depends on.
+$(VENV)/.pip:
+	@test -n "$(PYTHON)" || { echo "hotlap needs Python 3.11 or later; say where it is: make PYTHON=/path/to/python" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	@touch $@
+
+$(VENV)/.hotlap: pyproject.toml | $(VENV)/.pip
+	@echo "installing hotlap and what it needs (minutes, once) ..."
+	$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.hotlap
+	$(BIN)/python -m pip install --quiet --group test
+	@touch $@
+
+$(VENV)/.lint: pyproject.toml | $(VENV)/.pip
+	$(BIN)/python -m pip install --quiet --group lint
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.hotlap
+	$(BIN)/python -m pip install --quiet --group dev
+	@touch $@
