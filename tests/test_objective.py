@@ -1,0 +1,28 @@
+"""An objective flies and scores under the race's rule, and counts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fake_world import FakeWorld, make_course
+from hotlap.objective import Objective
+from hotlap.race import JudgeSettings, Rule
+from hotlap.scoring import Metric, score
+
+
+def test_scores_are_those_of_the_flights_under_the_races_rule_and_the_metric():
+    course = make_course(JudgeSettings(rule=Rule.RELEASED))
+    objective = Objective(course, FakeWorld(), Metric.MEAN_ERROR)
+    parameters = np.tile(course.space.first_guess(2), (6, 1, 1))
+    flights, scores = objective.fly_recorded(parameters, np.arange(6))
+    np.testing.assert_array_equal(scores.cost, score(flights, course.race.judge, Metric.MEAN_ERROR).cost)
+    np.testing.assert_array_equal(scores.cost, objective.fly(parameters, np.arange(6)).cost)
+    assert not np.array_equal(scores.cost, score(flights, JudgeSettings(), Metric.TIME).cost)
+
+
+def test_flights_are_counted():
+    objective = Objective(make_course(), FakeWorld())
+    parameters = np.tile(objective.course.space.first_guess(2), (3, 1, 1))
+    objective.fly(parameters, np.arange(3))
+    objective.fly_recorded(parameters[:2], np.arange(2))
+    assert objective.flights == 5

@@ -1,0 +1,239 @@
+"""The loop asks, flies, confirms and tells by the book, and knows when to stop."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fake_world import OPTIMUM, FakeWorld, make_course
+from hotlap import tuners
+from hotlap.errors import InputError
+from hotlap.goal import Goal, Quantity, parse_goal
+from hotlap.ledger import Ledger
+from hotlap.objective import Objective
+from hotlap.records import Scores
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.tuners import Tuner
+from hotlap.tuning import Batch, Tuning, TuningSettings, tune, tune_together
+
+COURSE = make_course()
+EVERY = pytest.mark.parametrize("name", tuners.names())
+
+
+class Listener:
+    """A tuner that hands out a list and writes down what it is told."""
+
+    name = "listener"
+    settings = None
+
+    def __init__(self, asked: np.ndarray) -> None:
+        self.asked, self.told = list(asked), []
+
+    def start(self, first_guess, space, rng) -> None:
+        pass
+
+    def ask(self, n: int) -> np.ndarray:
+        return np.array([self.asked.pop(0) for _ in range(min(n, len(self.asked)))])
+
+    def tell(self, parameters: np.ndarray, scores: Scores) -> np.ndarray:
+        self.told.append(scores)
+        return np.arange(len(parameters)) == 0
+
+    def state(self) -> dict[str, Any]:
+        return {}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        pass
+
+
+class ScriptedObjective(Objective):
+    """Flights whose completions are read off a list, in the order flown; the cost of a flight is 100 (1 - completion)."""
+
+    def __init__(self, *completions: float) -> None:
+        super().__init__(COURSE, FakeWorld())
+        self.completions = list(completions)
+
+    def fly(self, parameters, seeds) -> Scores:  # noqa: ARG002  it returns what it was told to
+        completion = np.array([self.completions.pop(0) for _ in seeds])
+        failed = np.where(completion == 1, -1, np.round(completion * 10).astype(int))
+        lap_time, nothing = np.where(completion == 1, 5.0, np.nan), np.zeros(len(seeds))
+        return Scores(100 * (1 - completion), completion, failed, nothing[:, None], nothing, nothing, lap_time)
+
+
+def points(count: int) -> np.ndarray:
+    return np.tile(COURSE.space.first_guess(2), (count, 1, 1)) + np.arange(count)[:, None, None]
+
+
+def run(tuner: Tuner, objective: Objective | None = None, **settings) -> tuple[Tuning, list[Batch]]:
+    tuning = Tuning(tuner, COURSE, TuningSettings(**settings))
+    return tuning, list(tune(objective or Objective(COURSE, FakeWorld()), tuning))
+
+
+def ledger_of(batches: list[Batch]) -> Ledger:
+    return Ledger.join([batch.ledger for batch in batches])
+
+
+def assert_same(one: Ledger, other: Ledger) -> None:
+    for name, values in vars(one).items():
+        np.testing.assert_array_equal(values, getattr(other, name), err_msg=name)
+
+
+def test_a_candidate_is_confirmed_by_four_fresh_flights_and_ends_the_search():
+    tuning, batches = run(Listener(points(5)), ScriptedObjective(0.2, 0.4, 1.0, 1.0, 1.0, 1.0, 1.0), batch=1)
+    assert (tuning.flights, tuning.search_flights, tuning.done) == (7, 3, True)
+    best = batches[-1].best
+    assert (best.confirmed, best.completion, best.cost, best.lap_time, best.flights) == (True, 1.0, 0.0, 5.0, 5)
+    np.testing.assert_array_equal(best.parameters, points(5)[2])
+    assert [batch.done for batch in batches] == [False, False, True]
+
+
+def test_the_first_failure_ends_a_confirmation_and_search_goes_on():
+    objective = ScriptedObjective(1.0, 1.0, 0.4, 0.2, 1.0, 1.0, 1.0, 1.0, 1.0)
+    tuning, batches = run(Listener(points(5)), objective, batch=1)
+    assert objective.completions == []
+    assert [len(batch.ledger) for batch in batches] == [3, 1, 5]
+    assert (tuning.flights, tuning.search_flights) == (9, 3)
+
+
+def test_the_tuner_is_told_the_mean_cost_of_a_failed_candidate_and_the_flight_that_failed():
+    tuner = Listener(points(2))
+    run(tuner, ScriptedObjective(1.0, 1.0, 0.4, 0.2), batch=1, budget=4)
+    assert tuner.told[0].cost.tolist() == [pytest.approx((0 + 0 + 60) / 3)]
+    assert tuner.told[0].completion.tolist() == [0.4]
+    assert tuner.told[0].failed_segment.tolist() == [4]
+
+
+def test_candidates_of_one_batch_are_confirmed_in_order_until_one_holds():
+    tuner = Listener(points(4))
+    objective = ScriptedObjective(0.2, 1.0, 1.0, 1.0, *(0.4,), *(1.0,) * 4)
+    tuning, (batch,) = run(tuner, objective, batch=4)
+    assert objective.completions == []
+    assert (tuning.flights, tuning.search_flights) == (9, 3)
+    np.testing.assert_array_equal(batch.best.parameters, points(4)[2])
+    assert tuner.told[0].cost.tolist() == pytest.approx([80.0, 30.0, 0.0, 0.0])
+
+
+def test_reflights_count_in_the_budget_even_in_the_middle_of_a_confirmation():
+    tuning, batches = run(Listener(points(9)), ScriptedObjective(0.2, 1.0, 1.0, 1.0), batch=1, budget=4)
+    assert (tuning.flights, tuning.search_flights, tuning.done) == (4, 2, True)
+    assert not batches[-1].best.confirmed
+
+
+def test_without_confirmations_the_first_success_is_believed():
+    tuning, _ = run(Listener(points(9)), ScriptedObjective(0.2, 1.0), batch=1, confirmations=0)
+    assert (tuning.flights, tuning.best is not None and tuning.best.confirmed) == (2, True)
+
+
+def test_without_a_goal_the_budget_is_spent_and_nothing_flown_twice():
+    tuning, batches = run(Listener(points(9)), ScriptedObjective(*(1.0,) * 7), goal=Goal(Quantity.NONE), batch=1, budget=7)
+    assert (tuning.flights, tuning.search_flights) == (7, 7)
+    assert not batches[-1].best.confirmed
+
+
+def test_best_is_by_completion_then_cost_over_all_flights_of_a_candidate():
+    """Three flights of four beat one of 0.9 only by their mean."""
+    _, batches = run(Listener(points(9)), ScriptedObjective(0.7, 1.0, 1.0, 0.1, 0.8, 0.8), batch=1, budget=6)
+    assert [round(batch.best.completion, 3) for batch in batches] == [0.7, 0.7, 0.8, 0.8]
+    np.testing.assert_array_equal(batches[-1].best.parameters, points(9)[2])
+
+
+def test_ledger_has_every_flight_with_its_own_score_and_the_tuners_verdict():
+    _, (batch,) = run(Listener(points(2)), ScriptedObjective(1.0, 0.2, 1.0, 0.4), batch=2, budget=4)
+    ledger = batch.ledger
+    assert ledger.numbers.tolist() == [0, 1, 2, 3]
+    assert [Stream(stream).name for stream in ledger.streams] == ["SEARCH", "SEARCH", "CONFIRMATION", "CONFIRMATION"]
+    assert ledger.completion.tolist() == [1.0, 0.2, 1.0, 0.4]
+    assert ledger.accepted.tolist() == [True, False, False, False]
+    np.testing.assert_array_equal(ledger.parameters, points(2)[[0, 1, 0, 0]])
+    np.testing.assert_array_equal(ledger.of(Stream.SEARCH).seeds, flight_seeds(0, Stream.SEARCH, 0, 2))
+    np.testing.assert_array_equal(ledger.of(Stream.CONFIRMATION).seeds, flight_seeds(0, Stream.CONFIRMATION, 0, 2))
+
+
+@EVERY
+def test_flights_are_numbered_without_gaps_and_never_share_noise(name):
+    tuning, batches = run(tuners.build(name), seed=3, budget=60)
+    ledger = ledger_of(batches)
+    assert ledger.numbers.tolist() == list(range(tuning.flights))
+    assert len(np.unique(ledger.seeds)) == tuning.flights <= 60
+    assert tuning.search_flights <= (ledger.streams == Stream.SEARCH).sum()
+
+
+@EVERY
+def test_same_seed_same_run_and_another_seed_another(name):
+    (_, one), (_, same), (_, other) = (run(tuners.build(name), seed=seed, budget=40) for seed in (1, 1, 2))
+    assert_same(ledger_of(one), ledger_of(same))
+    assert not np.array_equal(ledger_of(one).cost, ledger_of(other).cost)
+
+
+@EVERY
+def test_stopped_after_any_batch_and_resumed_equals_never_stopped(name):
+    settings = TuningSettings(seed=1, budget=60, batch=3)
+    whole = list(tune(Objective(COURSE, FakeWorld()), Tuning(tuners.build(name), COURSE, settings)))
+    for stop in range(1, len(whole), 5):
+        state = json.loads(json.dumps(whole[stop - 1].state, allow_nan=False))
+        resumed = Tuning(tuners.build(name), COURSE, settings, state=state)
+        rest = list(tune(Objective(COURSE, FakeWorld()), resumed))
+        assert_same(ledger_of(rest), ledger_of(whole[stop:]))
+        assert rest[-1].state == whole[-1].state
+        assert (rest[-1].flights, rest[-1].search_flights) == (whole[-1].flights, whole[-1].search_flights)
+
+
+def test_a_run_that_has_ended_flies_no_more_after_a_restore():
+    tuning, batches = run(tuners.build("metropolis_hastings"), seed=1)
+    assert tuning.done
+    again = Tuning(tuners.build("metropolis_hastings"), COURSE, TuningSettings(seed=1), state=batches[-1].state)
+    assert again.done
+    assert list(tune(Objective(COURSE, FakeWorld()), again)) == []
+
+
+def test_runs_in_lockstep_go_as_they_would_alone_and_share_their_batches():
+    names = [*tuners.names(), *tuners.names()]
+    together = [Tuning(tuners.build(name), COURSE, TuningSettings(seed=seed, budget=50)) for seed, name in enumerate(names)]
+    world = FakeWorld()
+    batches: list[list[Batch]] = [[] for _ in names]
+    for i, batch in tune_together(Objective(COURSE, world), together):
+        batches[i].append(batch)
+    for seed, name in enumerate(names):
+        _, alone = run(tuners.build(name), seed=seed, budget=50)
+        assert_same(ledger_of(batches[seed]), ledger_of(alone))
+        assert batches[seed][-1].state == alone[-1].state
+    assert max(world.batches) >= len(names)
+
+
+def test_crashing_costs_without_number_leave_the_run_sane():
+    class Broken(FakeWorld):
+        def fly(self, course, parameters, seeds, *, truth=None, log=()):
+            flights = super().fly(course, parameters, seeds, truth=truth, log=log)
+            return replace(flights, gates_passed=np.zeros_like(flights.gates_passed), end_time=np.full(len(seeds), np.nan))
+
+    for name in tuners.names():
+        _, batches = run(tuners.build(name), Objective(COURSE, Broken()), budget=20)
+        assert batches[-1].best.cost == np.inf
+        json.dumps(batches[-1].state, allow_nan=False)
+
+
+def test_first_guess_is_flown_first():
+    guess = np.tile(OPTIMUM, (2, 1))
+    tuning = Tuning(tuners.build("metropolis_hastings"), COURSE, TuningSettings(), guess)
+    batch = next(tune(Objective(COURSE, FakeWorld()), tuning))
+    np.testing.assert_array_equal(batch.ledger.parameters[0], guess)
+    assert batch.best.confirmed
+
+
+def test_an_error_goal_is_reached_and_meant():
+    goal = parse_goal("mean_error<0.6")
+    objective = Objective(COURSE, FakeWorld(noise=0.05), goal.metric)
+    tuning, _ = run(tuners.build("metropolis_hastings"), objective, goal=goal, budget=500)
+    assert tuning.best is not None
+    assert tuning.best.confirmed
+    assert tuning.best.cost < 0.6
+
+
+@pytest.mark.parametrize(("name", "value"), [("budget", 0), ("seed", -1), ("seed", 2**31), ("confirmations", -1), ("batch", 0)])
+def test_settings_out_of_range_are_refused_with_the_option(name, value):
+    with pytest.raises(InputError, match=f"^--{name}: must be from"):
+        TuningSettings(**{name: value})

@@ -1,0 +1,113 @@
+"""The laws of a sampler, in one place: what any tuner that claims to be a Metropolis-Hastings chain must obey."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import erf, sqrt
+
+import numpy as np
+
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.records import Scores
+from hotlap.tuners import Tuner
+
+
+def make_space(low: float = 1.0, high: float = np.e, size: int = 1) -> ParameterSpace:
+    """`size` alike parameters; by default their logarithms run from 0 to 1."""
+    one = np.ones(size)
+    return ParameterSpace(tuple("abcdefgh"[:size]), low * one, high * one, np.sqrt(low * high) * one, one)
+
+
+def make_scores(costs: np.ndarray, completion: float = 0.5, failed_segment: int = 0) -> Scores:
+    """Scores with given costs and otherwise equal flights."""
+    count = len(costs)
+    full, nothing = np.full(count, completion), np.full(count, np.nan)
+    return Scores(np.asarray(costs, float), full, np.full(count, failed_segment), nothing[:, None], nothing, nothing, nothing)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """What a chain did.
+
+    Attributes:
+        states: shape (steps, S, K) after each step.
+        proposals: shape (steps, S, K).
+        accepted: shape (steps,).
+    """
+
+    states: np.ndarray
+    proposals: np.ndarray
+    accepted: np.ndarray
+
+
+def run_chain(tuner: Tuner, space: ParameterSpace, cost: Callable[[Parameters], float], steps: int, segments: int = 1) -> Chain:
+    """Run a tuner as a chain on a cost; a state is the last accepted proposal."""
+    tuner.start(space.first_guess(segments), space, np.random.default_rng(7))
+    states, proposals, accepted = [], [], []
+    for _ in range(steps):
+        asked = tuner.ask(1)
+        took = bool(tuner.tell(asked, make_scores(np.array([cost(asked[0])])))[0])
+        proposals.append(asked[0])
+        accepted.append(took)
+        states.append(asked[0] if took else states[-1])
+    return Chain(np.array(states), np.array(proposals), np.array(accepted))
+
+
+def cell_of(unit: np.ndarray, cells: int) -> np.ndarray:
+    """Which of equally wide cells of [0, 1] each value lies in."""
+    return np.minimum((unit * cells).astype(int), cells - 1)
+
+
+def check_two_point_ratio(
+    tuner: Tuner, space: ParameterSpace, unit: Callable[[np.ndarray], np.ndarray], difference: float, ratio: float
+) -> None:
+    """Moves to the worse half are accepted with the ratio of densities, moves to the better half always."""
+    chain = run_chain(tuner, space, lambda w: difference * float(unit(w)[0, 0] >= 0.5), 12_000)
+    worse = unit(chain.proposals)[1:, 0, 0] >= 0.5
+    was_worse = unit(chain.states)[:-1, 0, 0] >= 0.5
+    climbs = chain.accepted[1:][worse & ~was_worse]
+    assert len(climbs) > 1000
+    assert abs(climbs.mean() - ratio) < 4 * sqrt(ratio * (1 - ratio) / len(climbs))
+    assert chain.accepted[1:][~worse].all()
+
+
+def check_discrete_stationarity(
+    tuner: Tuner, space: ParameterSpace, unit: Callable[[np.ndarray], np.ndarray], costs: np.ndarray, temperature: float
+) -> None:
+    """Time spent in each cell is proportional to its density, and as many moves lead from one cell to another as back."""
+    cells = len(costs)
+    chain = run_chain(tuner, space, lambda w: float(costs[cell_of(unit(w), cells)[0, 0]]), 30_000)
+    visited = cell_of(unit(chain.states)[:, 0, 0], cells)
+    density = np.exp(-costs / temperature)
+    np.testing.assert_allclose(np.bincount(visited, minlength=cells) / len(visited), density / density.sum(), atol=0.02)
+    moves = np.zeros((cells, cells))
+    np.add.at(moves, (visited[:-1], visited[1:]), 1)
+    assert (np.abs(moves - moves.T) <= 5 * np.sqrt(moves + moves.T) + 1).all()
+
+
+def check_gaussian_stationarity(tuner: Tuner, space: ParameterSpace, unit: Callable[[np.ndarray], np.ndarray], temperature: float) -> None:
+    """A quadratic cost gives normally distributed samples."""
+    centre, width = 0.5, 0.07
+    chain = run_chain(tuner, space, lambda w: float(temperature * (unit(w)[0, 0] - centre) ** 2 / (2 * width**2)), 30_000)
+    values = np.sort(unit(chain.states)[500:, 0, 0])
+    expected = np.array([0.5 * (1 + erf((value - centre) / (width * sqrt(2)))) for value in values])
+    assert np.abs(expected - np.arange(len(values)) / len(values)).max() < 0.03  # Kolmogorov's distance
+    assert abs(values.std() / width - 1) < 0.05
+
+
+def check_rejection_returns_old_state(tuner: Tuner, space: ParameterSpace, step: float) -> None:
+    """However many proposals are rejected, the next one starts from the same sample.
+
+    Args:
+        tuner: with Gaussian steps.
+        space: many steps wide.
+        step: standard deviation of a step, relative to the default.
+    """
+    first = space.first_guess(2)
+    chain = run_chain(tuner, space, lambda w: 0.0 if np.array_equal(w, first) else 1e6, 400, segments=2)
+    assert chain.accepted.sum() == 1
+    np.testing.assert_array_equal(chain.states[-1], first)
+    strayed = np.abs(chain.proposals[1:] / first - 1)
+    assert strayed.max() < 6 * step
+    assert strayed.mean() > 0.5 * step

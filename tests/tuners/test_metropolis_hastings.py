@@ -1,0 +1,122 @@
+"""The sampler obeys the laws of Metropolis-Hastings in every setting, and each preset is what it says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hotlap.tuners.metropolis_hastings import PRESETS, MetropolisHastings, Scale, Settings
+
+from . import laws
+
+BOTH = pytest.mark.parametrize("scale", list(Scale))
+
+
+def sampler(sigma: float, scale: Scale, **more) -> MetropolisHastings:
+    return MetropolisHastings("under test", Settings(sigma, scale, **{"tied": 0.0, **more}))
+
+
+def unit_of(scale: Scale):
+    """The coordinate in which the chain steps, over [1, e] or, for logarithms of it, over [0, 1]."""
+    return np.log if scale is Scale.LOG else lambda w: (w - 1) / (np.e - 1)
+
+
+@BOTH
+def test_rejection_returns_the_old_state(scale):
+    laws.check_rejection_returns_old_state(sampler(0.01, scale), laws.make_space(0.5, 2.0, 3), step=0.01)
+
+
+def test_without_rollback_a_rejected_proposal_is_gone_on_from():
+    tuner, space = sampler(0.01, Scale.RAW, rollback=False), laws.make_space(0.5, 2.0, 3)
+    chain = laws.run_chain(tuner, space, lambda w: 0.0 if np.array_equal(w, space.first_guess(2)) else 1e6, 400, segments=2)
+    assert chain.accepted.sum() == 1
+    assert np.abs(chain.proposals[-1] - 1).max() > 0.06
+
+
+@BOTH
+@pytest.mark.parametrize(("temperature", "difference"), [(1.0, 1.0), (2.0, 3.0)])
+def test_acceptance_frequency_equals_the_ratio_of_densities(scale, temperature, difference):
+    tuner = sampler(2.0, scale, temperature=temperature)
+    laws.check_two_point_ratio(tuner, laws.make_space(), unit_of(scale), difference, np.exp(-difference / temperature))
+
+
+@BOTH
+def test_acceptance_ratio_holds_where_scores_underflow(scale):
+    """exp(-m) of 1000 and 1001 is 0; their ratio is not."""
+    tuner, unit = sampler(2.0, scale), unit_of(scale)
+    space = laws.make_space()
+    chain = laws.run_chain(tuner, space, lambda w: 1000.0 + float(unit(w)[0, 0] >= 0.5), 3000)
+    share = (unit(chain.states)[:, 0, 0] >= 0.5).mean()
+    assert share == pytest.approx(1 / (1 + np.e), abs=0.04)
+
+
+@BOTH
+@pytest.mark.parametrize("sigma", [0.3, 1.0])
+def test_stationary_on_a_discrete_target_whatever_the_step(scale, sigma):
+    sigma = sigma if scale is Scale.LOG else sigma * (np.e - 1)
+    laws.check_discrete_stationarity(
+        sampler(sigma, scale, temperature=1.5), laws.make_space(), unit_of(scale), np.array([1.0, 0.0, 2.0, 0.5]), 1.5
+    )
+
+
+@BOTH
+def test_flat_target_is_visited_evenly_up_to_the_bounds(scale):
+    """Proposals mirrored at the bounds are symmetric; clipped or redrawn ones would crowd or thin the edges."""
+    laws.check_discrete_stationarity(sampler(0.4, scale), laws.make_space(), unit_of(scale), np.zeros(8), 1.0)
+
+
+@BOTH
+def test_stationary_on_a_gaussian(scale):
+    laws.check_gaussian_stationarity(sampler(0.2, scale, temperature=2.0), laws.make_space(), unit_of(scale), 2.0)
+
+
+def test_horizon_takes_half_steps_in_logarithms():
+    space = replace(laws.make_space(0.01, 100.0, 2), log_step=np.array([1.0, 0.5]))
+    chain = laws.run_chain(sampler(0.3, Scale.LOG), space, lambda _: 0.0, 3000)
+    steps = np.log(chain.proposals[1:] / chain.states[:-1])
+    inside = np.all(
+        (chain.proposals[1:] > 0.05) & (chain.proposals[1:] < 20) & (chain.states[:-1] > 0.05) & (chain.states[:-1] < 20), axis=(1, 2)
+    )
+    np.testing.assert_allclose(steps[inside].std(axis=(0, 1)), [0.3, 0.15], rtol=0.08)
+
+
+def test_tied_share_of_the_moves_takes_one_step_for_all_segments():
+    space = laws.make_space(0.01, 100.0, 2)
+    chain = laws.run_chain(sampler(0.01, Scale.LOG, tied=0.3), space, lambda _: 0.0, 2000, segments=3)
+    steps = np.log(chain.proposals[1:] / chain.states[:-1])
+    together = np.ptp(steps, axis=1).max(axis=1) < 1e-9
+    assert together.mean() == pytest.approx(0.3, abs=0.05)
+
+
+def test_preset_paper_takes_independent_steps_of_five_in_raw_units():
+    space = laws.make_space(1.0, 1e5, 5)
+    chain = laws.run_chain(
+        MetropolisHastings("paper", PRESETS["paper"]), space, lambda w: float(w[0, 0] != space.default[0]) * 1e9, 1500, 2
+    )
+    steps = (chain.proposals[1:] - space.default).reshape(-1, 10)
+    np.testing.assert_allclose(steps.std(axis=0), 5.0, rtol=0.08)
+    correlation = np.corrcoef(steps.T) - np.eye(10)
+    assert np.abs(correlation).max() < 0.12
+
+
+def test_default_preset_ties_all_segments():
+    assert next(iter(PRESETS)) == "tied"
+    chain = laws.run_chain(MetropolisHastings("tied", PRESETS["tied"]), laws.make_space(1.0, 100.0, 5), lambda _: 0.0, 200, segments=4)
+    assert np.ptp(chain.proposals, axis=1).max() < 1e-9
+
+
+@pytest.mark.parametrize("worst", [np.nan, np.inf, -np.inf])
+def test_a_cost_that_is_no_number_is_accepted_only_from_another_such(worst):
+    tuner, space = sampler(0.1, Scale.LOG), laws.make_space()
+    tuner.start(space.first_guess(1), space, np.random.default_rng(0))
+    verdicts = [bool(tuner.tell(tuner.ask(1), laws.make_scores(np.array([cost])))[0]) for cost in (worst, worst, 1e300, worst, worst)]
+    assert verdicts == [True, True, True, False, False]
+
+
+def test_proposal_stays_until_it_is_told():
+    tuner, space = sampler(0.1, Scale.LOG), laws.make_space()
+    tuner.start(space.first_guess(1), space, np.random.default_rng(0))
+    tuner.tell(tuner.ask(1), laws.make_scores(np.array([1.0])))
+    np.testing.assert_array_equal(tuner.ask(1), tuner.ask(5))
