@@ -121,17 +121,28 @@ class Quadrotor(Described):
 
     @property
     def torque_matrix(self) -> NDArray[np.float64]:
-        """Torque (body) of each rotor per newton of thrust, shape (3, 4) [m].
-
-        A rotor at (x, y) makes a roll torque of y and a pitch torque of -x.
-        """
-        if self.layout is Layout.X:
-            lever, spin = self.arm * math.sqrt(0.5), self.torque_ratio
-            return np.array([[lever, -lever, -lever, lever], [-lever, -lever, lever, lever], [spin, -spin, spin, -spin]])
-        arm, spin = self.arm, self.torque_ratio
-        return np.array([[0, arm, 0, -arm], [-arm, 0, arm, 0], [-spin, spin, -spin, spin]])
+        """Torque (body) of each rotor per newton of thrust, shape (3, 4) [m]."""
+        return torque_matrix(self.layout, self.arm, self.torque_ratio)
 
     @property
     def inertia_vector(self) -> NDArray[np.float64]:
         """Principal moments, shape (3,) [kg m^2]."""
         return np.array(self.inertia)
+
+
+def torque_matrix(layout: Layout, arm: float, torque_ratio: float) -> NDArray[np.float64]:
+    """Torque (body) of each rotor per newton of thrust: a rotor at (x, y) makes a roll torque of y and a pitch torque of -x.
+
+    Args:
+        layout: where the rotors sit.
+        arm: [m] distance from the centre of mass.
+        torque_ratio: [m] yaw torque over thrust.
+
+    Returns:
+        Shape (3, 4) [m].
+    """
+    spin = torque_ratio
+    if layout is Layout.X:
+        lever = arm * math.sqrt(0.5)
+        return np.array([[lever, -lever, -lever, lever], [-lever, -lever, lever, lever], [spin, -spin, spin, -spin]])
+    return np.array([[0, arm, 0, -arm], [-arm, 0, arm, 0], [-spin, spin, -spin, spin]])

@@ -1,0 +1,1 @@
+"""The flight core: closed-loop flights of controller and plant, many at once."""

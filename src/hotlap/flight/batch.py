@@ -1,0 +1,193 @@
+"""A batch of flights: a course, parameters and seeds in; what happened out."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.course import Course
+from hotlap.errors import HotlapError
+from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
+from hotlap.flight.numbers import Numbers
+from hotlap.flight.plant import autopilot_numbers, truth_of, vehicle_numbers
+from hotlap.flight.simulate import LOG_COLUMNS, Job, Settings, worker
+from hotlap.parameters import Parameters
+from hotlap.race import PLANT_STEP, Race, ReferenceTime
+from hotlap.records import Flights, Log
+
+Floats = NDArray[np.float64]
+
+AFTERWARDS = 0.1  # s, that a log has room for behind the last decision
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Control steps that were computed: of all lanes, and of lanes that had a flight."""
+
+    lane_steps: int
+    useful_steps: int
+
+    @property
+    def useful_share(self) -> float:
+        """0 to 1."""
+        return self.useful_steps / self.lane_steps if self.lane_steps else 1.0
+
+
+def fly_batch(
+    course: Course,
+    parameters: Parameters,
+    seeds: NDArray[np.int64],
+    *,
+    numbers: Numbers,
+    threads: int = 0,
+    truth: Floats | None = None,
+    log: Sequence[int] = (),
+) -> tuple[Flights, Effort]:
+    """Fly; a flight's result depends on its course, parameters, seed and truth, and on the kind of number, alone.
+
+    Args:
+        course: what is flown.
+        parameters: shape (B, S, 5).
+        seeds: shape (B,).
+        numbers: what it is computed in.
+        threads: how many; 0 for one a processor.
+        truth: shape (B, P), the vehicle of each flight, in the columns of `plant.TRUTH`.
+        log: indices in the batch of the flights to record in full.
+
+    Raises:
+        HotlapError: arrays that do not fit together, or parameters that are not positive.
+    """
+    job, gates = prepare(course, parameters, seeds, numbers, truth, log)
+    verdicts = new_verdicts(len(seeds), len(gates.times))
+    settings, work = settings_of(course.race), worker(numbers)
+    crew = min(threads or os.cpu_count() or 1, -(-len(seeds) // numbers.lanes))
+    effort = np.zeros((max(crew, 1), 2), dtype=np.int64)
+    if crew <= 1:
+        work(job, settings, gates, verdicts, effort[0])
+    else:
+        with ThreadPoolExecutor(crew) as pool:  # compiled code runs without the interpreter's lock
+            list(pool.map(lambda row: work(job, settings, gates, verdicts, row), effort))
+    lane_steps, useful_steps = effort.sum(axis=0).tolist()
+    return _record(course, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
+
+
+def settings_of(race: Race) -> Settings:
+    """The settings of a race as the flight core takes them."""
+    controller, noise, believed = race.controller, race.noise, race.believed
+    lead = believed.delay if controller.predict else 0.0
+    periods = math.floor(lead / controller.period + 1e-9)
+    rest = lead - periods * controller.period
+    return Settings(
+        nodes=controller.nodes,
+        sweeps=controller.sweeps,
+        period=controller.period,
+        steps=round(controller.period / PLANT_STEP),
+        plant_step=PLANT_STEP,
+        table_period=0.01,
+        lead=lead if controller.reference_time is ReferenceTime.EXECUTION else 0.0,
+        predicted_periods=periods,
+        predicted_rest=rest if rest > 1e-9 else 0.0,
+        feed_forward=controller.feed_forward,
+        gravity=believed.gravity,
+        thrust_noise=noise.thrust,
+        rate_noise=noise.rates,
+        noise_memory=_memory(controller.period, noise.time),
+        thrust_bias=noise.thrust_bias,
+        position=noise.position,
+        velocity=noise.velocity,
+        attitude=noise.attitude,
+        measured_position=noise.measured_position,
+        measured_velocity=noise.measured_velocity,
+        measured_attitude=noise.measured_attitude,
+        wind=noise.wind,
+        wind_memory=_memory(controller.period, noise.wind_time),
+    )
+
+
+def prepare(
+    course: Course, parameters: Parameters, seeds: NDArray[np.int64], numbers: Numbers, truth: Floats | None, log: Sequence[int]
+) -> tuple[Job, Gates]:
+    """A batch as the flight core takes it."""
+    race, reference, controller = course.race, course.reference, course.race.controller
+    _check(course, parameters, seeds, truth, log)
+    gates = gates_of(race.judge, race.track.gate_positions, reference.gate_times, race.track.floor)
+    truths = truth_of(race.vehicle)[None] if truth is None else np.asarray(truth, dtype=np.float64)
+    spaced = np.array(parameters, dtype=np.float64)
+    spaced[..., 4] *= controller.horizon_unit / controller.nodes  # [s] between nodes
+    delay_steps = np.rint(truths[:, 21] / PLANT_STEP).astype(np.int64)
+    in_period = round(controller.period / PLANT_STEP)
+    log_rows = np.full(len(seeds), -1, dtype=np.int64)
+    log_rows[list(log)] = np.arange(len(log))
+    last = reference.gate_times[-1] + (race.judge.window[1] if len(log) else 0.0) + AFTERWARDS
+    thrust, rates, lateral = controller.input_weights[0], controller.input_weights[1], controller.input_weights[2]
+    job = Job(
+        table=np.ascontiguousarray(reference.table, dtype=numbers.dtype),
+        row_segments=course.segments.at(reference.times),
+        parameters=spaced,
+        seeds=np.ascontiguousarray(seeds, dtype=np.int64),
+        input_weights=np.array([thrust, rates, rates, lateral]),
+        low=np.array([controller.thrust[0], *(-rate for rate in controller.rates)]),
+        high=np.array([controller.thrust[1], *controller.rates]),
+        vehicles=vehicle_numbers(truths, race.vehicle.layout),
+        delay_periods=delay_steps // in_period,
+        delay_steps=delay_steps % in_period,
+        autopilot=autopilot_numbers(race.believed),
+        log_rows=log_rows,
+        logs=np.zeros((len(log), math.ceil(last / controller.period) + 2, LOG_COLUMNS)),
+        queue=np.zeros(1, dtype=np.int64),
+    )
+    return job, gates
+
+
+def _check(course: Course, parameters: Parameters, seeds: NDArray[np.int64], truth: Floats | None, log: Sequence[int]) -> None:
+    """Refuse what does not fit together: compiled code does not look."""
+    wanted = (len(seeds), len(course.segments), course.space.size)
+    if parameters.shape != wanted:
+        raise HotlapError(f"parameters must have shape (flights, segments, parameters) = {wanted}, not {parameters.shape}")
+    if not (np.isfinite(parameters) & (parameters > 0)).all():
+        raise HotlapError("parameters must be finite and positive")
+    if len(seeds) and (seeds.min() < 0 or seeds.max() >= 2**53):
+        raise HotlapError("seeds must not be negative, and stay below 2^53")
+    if truth is not None and len(truth) != len(seeds):
+        raise HotlapError(f"truth must have a row for each of {len(seeds)} flights, not {len(truth)}")
+    if len(set(log)) != len(log) or any(not 0 <= i < len(seeds) for i in log):
+        raise HotlapError(f"log must name flights of the batch, each once: 0 to {len(seeds) - 1}")
+
+
+def _memory(period: float, time: float) -> float:
+    """What is left of correlated noise after one period."""
+    return math.exp(-period / time) if time > 0 else 0.0
+
+
+def _record(course: Course, job: Job, gates: Gates, v: Verdicts, log: Sequence[int]) -> Flights:
+    """The judge's verdicts, and the logs, as a record."""
+    return Flights(
+        seeds=job.seeds,
+        gates_passed=v.gates_passed,
+        end=v.end,
+        end_time=v.end_time,
+        end_position=v.end_position,
+        lap_time=v.lap_time,
+        clock_distance=v.clock_distance,
+        closest_distance=v.closest_distance,
+        closest_time=v.closest_time,
+        mean_error=v.mean_error,
+        max_error=v.max_error,
+        gate_positions=gates.positions,
+        gate_times=gates.times,
+        gate_segments=course.gate_segments,
+        logs={i: _log(job.logs[k, : v.ticks[i] + 1], course.race.controller.period) for k, i in enumerate(log)},
+    )
+
+
+def _log(rows: Any, period: float) -> Log:
+    """One flight's log."""
+    times = period * np.arange(len(rows))
+    return Log(times=times, states=rows[:, :13].copy(), rotor_thrusts=rows[:, 13:17].copy(), commands=rows[:, 17:].copy())

@@ -1,0 +1,96 @@
+"""The kernel cache: compiled flight code on disk, found by the sources it was made from.
+
+Numba's own cache looks at the file of the compiled function alone: an edit of anything that the function calls would go unnoticed.
+Here the place on disk changes with every source that takes part, and Numba adds its own version, the processor and its features.
+"""
+
+from __future__ import annotations
+
+import sys
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from numba.core import caching
+
+from hotlap.cache import digest_sources, folder
+
+SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.race", "hotlap.records", "hotlap.quadrotor")
+
+
+def place() -> Path:
+    """The folder of kernels made from the present sources; need not exist yet."""
+    return folder("kernels") / digest_sources(*SOURCES)
+
+
+class _Locator(caching._CacheLocator):  # noqa: SLF001 - Numba has no public door to its cache
+    """Where a kernel lies, and what makes it stale: nothing, since another source has another place."""
+
+    def __init__(self, function: Any, label: str) -> None:
+        self._function, self._label = function, label
+
+    def get_cache_path(self) -> str:
+        return str(place())
+
+    def get_source_stamp(self) -> tuple[str, str]:
+        return version("numba"), version("llvmlite")
+
+    def get_disambiguator(self) -> str:
+        return self._label
+
+
+class _Implementation(caching.CompileResultCacheImpl):
+    """Numba's way of keeping compiled functions, at our place."""
+
+    def __init__(self, function: Any, label: str) -> None:
+        self._locator = _Locator(function, label)
+        self._lineno = function.__code__.co_firstlineno
+        self._filename_base = self.get_filename_base("kernel", getattr(sys, "abiflags", ""))
+
+
+class KernelCache(caching.FunctionCache):
+    """What a dispatcher takes as its `_cache`; one that cannot be read or written is no error.
+
+    Args:
+        function: what the dispatcher compiles.
+        label: unlike that of any other function.
+    """
+
+    def __init__(self, function: Any, label: str) -> None:
+        self._name, self._py_func = label, function
+        self._impl = _Implementation(function, label)
+        locator, name = self._impl.locator, self._impl.filename_base
+        self._cache_path = locator.get_cache_path()
+        self._cache_file = caching.IndexDataCacheFile(self._cache_path, name, locator.get_source_stamp())
+        self.enable()
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The compiled function of a signature, None where there is none or it is damaged."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # noqa: BLE001  a damaged file may fail in any way, and is then made anew
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a compiled function if that can be done."""
+        with suppress(OSError):
+            super().save_overload(sig, data)
+
+    @property
+    def is_filled(self) -> bool:
+        """Whether something was compiled from the present sources."""
+        return any(Path(self._cache_path).glob(f"{self._impl.filename_base}.*.nbc"))
+
+
+def keep(dispatcher: Any, label: str) -> Any:
+    """The same dispatcher, which from now on keeps what it compiles; without a compiler, the same function."""
+    if hasattr(dispatcher, "py_func"):
+        dispatcher._cache = KernelCache(dispatcher.py_func, label)  # noqa: SLF001
+    return dispatcher
+
+
+def is_filled(dispatcher: Any) -> bool:
+    """Whether a dispatcher need not compile: it did before, or has no compiler."""
+    cache = getattr(dispatcher, "_cache", None)
+    return cache is None or bool(dispatcher.signatures) or cache.is_filled

@@ -1,0 +1,164 @@
+"""The model-predictive controller (Eq. 3 of the paper) as a real-time iteration: one linearisation and a few Riccati sweeps a step.
+
+Written on numbers: one flight, or one flight a lane. `Mpc` is memory and is laid out twice: as raw floats (..., lanes), for what is
+done lane by lane, and as numbers (...), for what is done on all lanes at once.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from hotlap import dynamics
+from hotlap.flight.compile import compiled, translate
+from hotlap.flight.lanes import every, number, select
+from hotlap.flight.numbers import COMPILE
+from hotlap.flight.program import Program, Tape, dot
+from hotlap.flight.riccati import GAIN_SIZE, P_SIZE, SCRATCH_SIZE, backward_stage, forward_stage, terminal_stage
+
+NEWLY_CLAMPED = 1e-4  # of an input: a lane that clamped less than this anew in its forward pass needs no further sweep
+
+
+def retract_stage() -> Program:
+    """(x, deviation) -> x moved by it: q o [1, theta / 2], normalised."""
+    tape = Tape()
+    x, deviation = tape.array(0, 10), tape.array(1, 9)
+    (w, a, b, c), (i, j, k) = x[3:7], [0.5 * part for part in deviation[3:6]]
+    turned = [w - a * i - b * j - c * k, a + w * i + b * k - c * j, b + w * j - a * k + c * i, c + w * k + a * j - b * i]
+    scale = 1.0 / dot(turned, turned).square_root()
+    moved = [x[n] + deviation[n] for n in range(3)], [part * scale for part in turned], [x[7 + n] + deviation[6 + n] for n in range(3)]
+    tape.store(2, [entry for part in moved for entry in part])
+    return tape.program
+
+
+linearise = compiled(lambda: translate(dynamics.linearised_node_map()))
+propagate = compiled(lambda: translate(dynamics.node_map()))
+terminal = compiled(terminal_stage)
+backward = compiled(backward_stage)
+forward = compiled(forward_stage)
+retract = compiled(retract_stage)
+
+
+class Mpc(NamedTuple):
+    """Memory of the controller: the plan, the problem and what the solver needs; N nodes.
+
+    Attributes:
+        X: (N + 1, 10) planned states p q v; X[0] is where the drone is.
+        U: (N, 4) planned inputs: thrust per mass, body rates.
+        reference: (N + 1, 14) p q v, inputs.
+        weights: (4,) Q of p_xy, p_z, attitude, velocity.
+        input_weights: (4,) R.
+        spacing: (1,) [s] time between nodes.
+        low, high: (4,) bounds of the inputs.
+        gravity: (1,) [m/s^2].
+        inputs: (N, 4) of the present sweep.
+        deviation: (N + 1, 9) of the present sweep from the plan.
+        change: (2, 9) of the deviation, at two nodes.
+        jacobian: (N, 39) as in `dynamics.node_jacobian`.
+        gains, feed: (N, 36), (N, 4) policy.
+        value, slope: (2, 45), (2, 9) P and p, at two nodes.
+        scratch: of the backward stage.
+        is_open: (1,) 1 where another sweep is wanted.
+        cut: (1,) largest newly clamped amount.
+    """
+
+    X: Any
+    U: Any
+    reference: Any
+    weights: Any
+    input_weights: Any
+    spacing: Any
+    low: Any
+    high: Any
+    gravity: Any
+    inputs: Any
+    deviation: Any
+    change: Any
+    jacobian: Any
+    gains: Any
+    feed: Any
+    value: Any
+    slope: Any
+    scratch: Any
+    is_open: Any
+    cut: Any
+
+
+@njit(**COMPILE)
+def allocate_mpc(nodes: int, lanes: int, like: np.ndarray) -> Mpc:
+    """Raw memory, of the kind of float that `like` has."""
+    kind = like.dtype
+    return Mpc(
+        np.zeros((nodes + 1, 10, lanes), kind),
+        np.zeros((nodes, 4, lanes), kind),
+        np.zeros((nodes + 1, 14, lanes), kind),
+        np.ones((4, lanes), kind),
+        np.ones((4, lanes), kind),
+        np.ones((1, lanes), kind),
+        np.zeros((4, lanes), kind),
+        np.zeros((4, lanes), kind),
+        np.zeros((1, lanes), kind),
+        np.zeros((nodes, 4, lanes), kind),
+        np.zeros((nodes + 1, 9, lanes), kind),
+        np.zeros((2, 9, lanes), kind),
+        np.zeros((nodes, 39, lanes), kind),
+        np.zeros((nodes, GAIN_SIZE, lanes), kind),
+        np.zeros((nodes, 4, lanes), kind),
+        np.zeros((2, P_SIZE, lanes), kind),
+        np.zeros((2, 9, lanes), kind),
+        np.zeros((SCRATCH_SIZE, lanes), kind),
+        np.zeros((1, lanes), kind),
+        np.zeros((1, lanes), kind),
+    )
+
+
+@njit(**COMPILE)
+def solve(m: Mpc, sweeps: int) -> None:
+    """Move the plan (X, U) to the solution of the quadratic problem around it.
+
+    A sweep beyond the first changes only lanes whose forward pass clamped an input anew, so that no lane depends on its neighbours.
+    """
+    nodes = len(m.U)
+    zero = number(m.X[0, 0], 0.0)
+    for i in range(9):
+        m.deviation[0, i] = zero
+    for n in range(nodes):
+        linearise(
+            m.X[n], m.U[n], m.X[n + 1], m.deviation[n], m.spacing, m.low, m.high, m.gravity, m.inputs[n], m.deviation[n + 1], m.jacobian[n]
+        )
+    m.is_open[0] = number(zero, 1.0)
+    for _ in range(sweeps):
+        _sweep(m)
+        m.is_open[0] = select(m.cut[0] > NEWLY_CLAMPED, m.is_open[0], zero)
+        if every(m.is_open[0] < 0.5):
+            break
+    for n in range(nodes + 1):
+        retract(m.X[n], m.deviation[n], m.X[n])
+    for n in range(nodes):
+        for a in range(4):
+            m.U[n, a] = m.inputs[n, a]
+
+
+@njit(**COMPILE)
+def _sweep(m: Mpc) -> None:
+    """Backward for the policy, forward for inputs and deviations."""
+    nodes = len(m.U)
+    zero = number(m.X[0, 0], 0.0)
+    terminal(m.X[nodes], m.deviation[nodes], m.reference[nodes], m.weights, m.value[0], m.slope[0])
+    for n in range(nodes - 1, -1, -1):
+        now = (nodes - 1 - n) % 2
+        backward(
+            m.value[now], m.slope[now], m.jacobian[n], m.X[n], m.deviation[n], m.inputs[n], m.reference[n], m.weights,
+            m.input_weights, m.spacing, m.low, m.high, m.value[1 - now], m.slope[1 - now], m.gains[n], m.feed[n], m.scratch,
+        )  # fmt: skip
+    for i in range(9):
+        m.change[0, i] = zero
+    m.cut[0] = zero
+    for n in range(nodes):
+        now = n % 2
+        forward(
+            m.jacobian[n], m.gains[n], m.feed[n], m.change[now], m.inputs[n], m.deviation[n + 1], m.spacing, m.low, m.high,
+            m.is_open, m.cut, m.inputs[n], m.change[1 - now], m.deviation[n + 1], m.cut,
+        )  # fmt: skip

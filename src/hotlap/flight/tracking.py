@@ -1,0 +1,81 @@
+"""What the controller is asked to track: reference, weights and node spacing of one lane, and the plan it starts from."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from hotlap.flight.mpc import Mpc
+from hotlap.flight.numbers import COMPILE
+
+
+@njit(**COMPILE)
+def read_reference(m: Mpc, lane: int, table: np.ndarray, period: float, time: float, spacing: float) -> None:
+    """Reference at the nodes of a lane's horizon, between rows by straight lines; the last row holds for ever.
+
+    Args:
+        m: raw memory; `reference` of the lane is written.
+        lane: which one.
+        table: shape (rows, 14) p q v, inputs.
+        period: [s] between rows.
+        time: [s] of the first node.
+        spacing: [s] of the nodes.
+    """
+    last = len(table) - 2
+    for n in range(len(m.reference)):
+        place = (time + n * spacing) / period
+        row = min(int(place), last)
+        share = m.reference.dtype.type(min(place - row, 1.0))
+        for i in range(14):
+            m.reference[n, i, lane] = table[row, i] + share * (table[row + 1, i] - table[row, i])
+
+
+@njit(**COMPILE)
+def hover_inputs(m: Mpc, lane: int) -> None:
+    """The inputs of hovering in place of the reference's."""
+    for n in range(len(m.reference)):
+        m.reference[n, 10, lane] = m.gravity[0, lane]
+        for a in range(11, 14):
+            m.reference[n, a, lane] = 0
+
+
+@njit(**COMPILE)
+def plan_as_reference(m: Mpc, lane: int) -> None:
+    """Begin with the reference itself as the plan."""
+    for n in range(len(m.X)):
+        for i in range(10):
+            m.X[n, i, lane] = m.reference[n, i, lane]
+    for n in range(len(m.U)):
+        for a in range(4):
+            m.U[n, a, lane] = m.reference[n, 10 + a, lane]
+
+
+@njit(**COMPILE)
+def respace_plan(m: Mpc, lane: int, old: float, new: float, later: float) -> None:
+    """The plan on another spacing of the nodes: its own states as far as it reaches, the reference beyond.
+
+    Args:
+        m: raw memory, with the reference on the new nodes.
+        lane: which one.
+        old, new: [s] spacings.
+        later: [s] by which the new plan begins later.
+    """
+    nodes = len(m.U)
+    states, inputs = m.X[:, :, lane].copy(), m.U[:, :, lane].copy()
+    for n in range(nodes + 1):
+        place = (n * new + later) / old
+        row = int(place)
+        share = m.X.dtype.type(place - row)
+        for i in range(10):
+            if row < nodes:
+                m.X[n, i, lane] = states[row, i] + share * (states[row + 1, i] - states[row, i])
+            else:
+                m.X[n, i, lane] = m.reference[n, i, lane]
+        if n < nodes:
+            for a in range(4):
+                if row < nodes - 1:
+                    m.U[n, a, lane] = inputs[row, a] + share * (inputs[row + 1, a] - inputs[row, a])
+                elif row < nodes:
+                    m.U[n, a, lane] = inputs[row, a]
+                else:
+                    m.U[n, a, lane] = m.reference[n, 10 + a, lane]
