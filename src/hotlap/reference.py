@@ -10,6 +10,11 @@ from numpy.typing import NDArray
 PERIOD = 0.01  # s, of every reference table
 
 
+def row_times(duration: float) -> NDArray[np.float64]:
+    """Times of the rows up to a duration, shape (rows,) [s]; a row at the duration itself counts."""
+    return np.arange(int(np.floor(duration / PERIOD + 1e-9)) + 1, dtype=np.float64) * PERIOD
+
+
 @dataclass(frozen=True)
 class Reference:
     """States and inputs every 10 ms, from rest at the start to beyond the end.
@@ -48,7 +53,7 @@ class Reference:
     @property
     def times(self) -> NDArray[np.float64]:
         """[s] of the rows, shape (rows,)."""
-        return np.arange(len(self.position)) * self.period
+        return np.arange(len(self.position), dtype=np.float64) * self.period
 
     @property
     def planned_rows(self) -> int:
@@ -59,6 +64,16 @@ class Reference:
     def speeds(self) -> NDArray[np.float64]:
         """[m/s] of the planned rows."""
         return np.linalg.norm(self.velocity[: self.planned_rows], axis=1)
+
+    @property
+    def max_speed(self) -> float:
+        """[m/s] largest speed of the planned rows."""
+        return float(self.speeds.max())
+
+    @property
+    def mean_speed(self) -> float:
+        """[m/s] mean over time of the planned rows."""
+        return float(self.speeds.mean())
 
     @property
     def table(self) -> NDArray[np.float64]:

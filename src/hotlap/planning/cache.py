@@ -1,0 +1,68 @@
+"""The plan cache: references on disk, found by the content of their problem and the code that planned them."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+import platform
+import tempfile
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hotlap.cache import digest_sources, folder
+from hotlap.planning.problem import Problem
+from hotlap.reference import Reference
+
+ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
+SCALARS = ("duration", "cpu_time", "period")
+OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
+
+
+def key(problem: Problem) -> str:
+    """Thirty-two hexadecimal digits that change whenever the plan could."""
+    description = {field.name: getattr(problem, field.name) for field in dataclasses.fields(problem) if field.name != "track"}
+    description["quadrotor"] = problem.quadrotor.model_dump(mode="json", include=OF_QUADROTOR)
+    description["ramp"] = problem.ramp and problem.ramp.model_dump(mode="json")
+    code = digest_sources("hotlap.planning", "hotlap.dynamics", "hotlap.quadrotor", "hotlap.reference")
+    versions = [code, version("casadi"), version("numpy"), platform.machine()]
+    text = json.dumps([description, versions], sort_keys=True, default=np.ndarray.tolist)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def load(key: str) -> Reference | None:
+    """The plan of a key; None if it is not there or cannot be read."""
+    try:
+        with _path(key).open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            fields: dict[str, Any] = {name: np.asarray(stored[name], dtype=np.float64) for name in ARRAYS}
+            fields.update({name: float(stored[name]) for name in SCALARS})
+            reference = Reference(**fields)
+            return reference if np.isfinite(reference.table).all() else None
+    except Exception:  # noqa: BLE001  a damaged file may fail in any way, and is then planned anew
+        return None
+
+
+def save(key: str, reference: Reference) -> None:
+    """Keep a plan, whole or not at all; a cache that cannot be written is no error."""
+    path = _path(key)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as part:
+                fields: dict[str, Any] = {name: np.asarray(getattr(reference, name)) for name in (*ARRAYS, *SCALARS)}
+                np.savez(part, **fields)
+            Path(name).replace(path)
+        except BaseException:
+            Path(name).unlink(missing_ok=True)
+            raise
+    except OSError:
+        return
+
+
+def _path(key: str) -> Path:
+    return folder("plans") / f"{key}.npz"

@@ -1,0 +1,58 @@
+"""Small races that are planned in half a second, and plans of them that tests share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from typing import Any
+
+from hotlap.files import load_race
+from hotlap.planning.planner import find_plan
+from hotlap.planning.problem import Problem, Trajectory
+from hotlap.planning.sampling import sample
+from hotlap.quadrotor import Layout
+from hotlap.race import Race
+from hotlap.reference import Reference
+from hotlap.track import Gate
+
+HILL = ((6.0, 2.0, 1.0), (10.0, 8.0, 4.0), (2.0, 10.0, 2.5), (-3.0, 4.0, 0.8))
+
+
+def make_race(
+    gates: Iterable[tuple[float, float, float]] = HILL,
+    *,
+    base: str = "circle-34",
+    track: dict[str, Any] | None = None,
+    planning: dict[str, Any] | None = None,
+    quadrotor: dict[str, Any] | None = None,
+) -> Race:
+    """A built-in race on another track, with some settings replaced."""
+    race = load_race(base)
+    own = {"name": "small", "start": (0.0, 0.0, 0.5), "attitude": (1.0, 0.0, 0.0, 0.0), "end": None}
+    gates = tuple(Gate(position=gate) for gate in gates)
+    planned = race.planned.model_copy(update=quadrotor)
+    return race.model_copy(
+        update={
+            "track": race.track.model_copy(update={**own, "gates": gates, **(track or {})}),
+            "planning": race.planning.model_copy(update={"quadrotor": planned, **(planning or {})}),
+        }
+    )
+
+
+LOW = ((4.0, 0.0, 0.7), (9.0, 3.0, 0.7), (9.0, 9.0, 0.7))  # where diving below the floor would be faster
+
+RACES = {
+    "drag": make_race(track={"end": (-6.0, 0.0, 0.8)}),
+    "ramp": make_race(base="split-s"),  # no drag, a floor, a yaw rate
+    "floor": make_race(LOW, track={"start": (0.0, 0.0, 3.0)}, planning={"floor": 0.6}),
+    "inverted": make_race(track={"attitude": (0.0, 1.0, 0.0, 0.0)}, quadrotor={"rotor_thrust": (0.5, 4.0), "layout": Layout.PLUS}),
+}
+
+
+@cache
+def planned(name: str) -> tuple[Race, Problem, Trajectory, Reference]:
+    """A race with its problem, its plan and the plan's rows, without run-out."""
+    race = RACES[name]
+    problem = Problem.of(race)
+    trajectory = find_plan(problem)
+    return race, problem, trajectory, sample(problem, trajectory, cpu_time=0.0)

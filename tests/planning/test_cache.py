@@ -1,0 +1,132 @@
+"""Plans are kept between runs, under a key that changes with whatever matters."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from hotlap import planning
+from hotlap.planning import cache as plan_cache
+from hotlap.planning import planner
+from hotlap.planning.problem import Problem
+from hotlap.quadrotor import Layout
+from hotlap.race import Race, Ramp
+from hotlap.reference import Reference
+
+from . import small
+
+RACE = small.RACES["drag"]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    """An empty cache, in which one plan takes no time."""
+    monkeypatch.setenv("HOTLAP_CACHE", str(tmp_path))
+    monkeypatch.setattr(planner, "find_plan", lambda _: small.planned("drag")[2])
+    return tmp_path / "plans"
+
+
+def forbid_planning(monkeypatch) -> None:
+    def fail(_):
+        raise AssertionError("planned anew")
+
+    monkeypatch.setattr(planner, "find_plan", fail)
+
+
+def assert_same(a: Reference, b: Reference) -> None:
+    for field in dataclasses.fields(Reference):
+        assert_array_equal(getattr(a, field.name), getattr(b, field.name))
+
+
+def test_a_plan_is_made_once(folder, monkeypatch):
+    first = planning.plan(RACE)
+    forbid_planning(monkeypatch)
+    assert_same(planning.plan(RACE), first)
+    assert [file.suffix for file in folder.iterdir()] == [".npz"]
+
+
+def test_without_a_cache_nothing_is_kept(folder):
+    planning.plan(RACE, cache=False)
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("damage", [b"", b"no zip at all", None], ids=["empty", "rubbish", "cut short"])
+def test_a_damaged_file_is_planned_anew_and_mended(folder, monkeypatch, damage):
+    first = planning.plan(RACE)
+    file = next(folder.iterdir())
+    file.write_bytes(file.read_bytes()[:3000] if damage is None else damage)
+    assert_same(dataclasses.replace(planning.plan(RACE), cpu_time=first.cpu_time), first)
+    forbid_planning(monkeypatch)
+    planning.plan(RACE)
+
+
+def test_a_file_with_a_state_that_is_no_number_is_planned_anew(folder):
+    first = planning.plan(RACE)
+    spoilt = dataclasses.replace(first, position=np.full_like(first.position, np.nan))
+    plan_cache.save(plan_cache.key(Problem.of(RACE)), spoilt)
+    assert np.isfinite(planning.plan(RACE).position).all()
+    assert len(list(folder.iterdir())) == 1
+
+
+def test_a_cache_that_cannot_be_written_is_no_error(folder):
+    folder.parent.mkdir(exist_ok=True)
+    folder.write_text("a file where the folder should be")
+    assert planning.plan(RACE).duration > 0
+
+
+def planned_with(**settings) -> Race:
+    return RACE.model_copy(update={"planning": RACE.planning.model_copy(update=settings)})
+
+
+def flown_on(**track) -> Race:
+    return RACE.model_copy(update={"track": RACE.track.model_copy(update=track)})
+
+
+def quadrotor(**values) -> Race:
+    return planned_with(quadrotor=RACE.planned.model_copy(update=values))
+
+
+OTHERS = {
+    "tolerance": planned_with(tolerance=0.21),
+    "nodes": planned_with(nodes=13),
+    "v_max": planned_with(v_max=33.0),
+    "floor": planned_with(floor=-3.0),
+    "ramp": planned_with(ramp=Ramp(distance=10.0, thrust_to_weight=1.5, rate=3.0)),
+    "start": flown_on(start=(0.0, 0.0, 0.51)),
+    "attitude": flown_on(attitude=(0.0, 1.0, 0.0, 0.0)),
+    "gates": flown_on(gates=RACE.track.gates[:-1]),
+    "no end": flown_on(end=None),
+    "mass": quadrotor(mass=1.01),
+    "rate limit": quadrotor(rate_limit=(10.0, 10.0, 0.1)),
+    "gravity": quadrotor(gravity=9.81),
+    "layout": quadrotor(layout=Layout.PLUS),
+}
+
+
+def test_the_key_changes_with_whatever_changes_the_plan():
+    keys = {plan_cache.key(Problem.of(race)) for race in (RACE, *OTHERS.values())}
+    assert len(keys) == 1 + len(OTHERS)
+
+
+def test_an_end_is_another_problem_than_a_last_gate():
+    gates = (*RACE.track.gates, RACE.track.gates[0].model_copy(update={"position": RACE.track.end}))
+    assert plan_cache.key(Problem.of(flown_on(gates=gates, end=None))) != plan_cache.key(Problem.of(RACE))
+
+
+def test_the_key_is_the_same_for_what_the_planner_never_sees():
+    renamed = flown_on(name="another", provenance="elsewhere")
+    noisy = RACE.model_copy(update={"noise": RACE.noise.model_copy(update={"thrust": 0.5}), "name": "another"})
+    late = quadrotor(delay=0.1, name="another", motor_time=(0.1, 0.1))
+    assert {plan_cache.key(Problem.of(race)) for race in (RACE, renamed, noisy, late)} == {plan_cache.key(Problem.of(RACE))}
+
+
+def test_the_key_changes_with_the_code_and_the_optimiser(monkeypatch):
+    usual = plan_cache.key(Problem.of(RACE))
+    monkeypatch.setattr(plan_cache, "digest_sources", lambda *_: "other code")
+    other = plan_cache.key(Problem.of(RACE))
+    monkeypatch.setattr(plan_cache, "version", lambda _: "0.0")
+    assert len({usual, other, plan_cache.key(Problem.of(RACE))}) == 3

@@ -1,0 +1,90 @@
+"""Gate times are the cheapest ascending choice of closest approaches."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from hotlap.planning.passages import MissedGateError, find_passages
+
+TIMES = 0.01 * np.arange(1001)
+
+
+def fly(position: np.ndarray, gates: list[list[float]], distance: float = 1.3) -> np.ndarray:
+    return find_passages(TIMES, position, np.gradient(position, 0.01, axis=0), np.array(gates), distance)
+
+
+def eight() -> np.ndarray:
+    """A figure of eight in 10 s, through its centre at 0, 5 and 10 s; the rightmost point at 1.25 s or so, the leftmost at 6.25 s."""
+    angle = 2 * np.pi * TIMES / 10
+    return np.stack([10 * np.sin(angle), 5 * np.sin(2 * angle), np.zeros_like(angle)], axis=1)
+
+
+def line() -> np.ndarray:
+    """2 m/s along x."""
+    return np.stack([2 * TIMES, np.zeros_like(TIMES), np.zeros_like(TIMES)], axis=1)
+
+
+def test_a_gate_beside_a_line_is_passed_at_the_foot_of_the_perpendicular():
+    assert_allclose(fly(line(), [[3.001, 1.0, 0.0], [7.777, 0.0, -1.2]]), [1.5005, 3.8885], atol=1e-9)
+
+
+def test_the_crossing_of_an_eight_is_passed_in_the_turn_of_its_gate():
+    right, centre, left = [10.0, 0.0, 0.0], [0.0, 0.0, 0.0], [-10.0, 0.0, 0.0]
+    assert_allclose(fly(eight(), [right, centre, left]), [2.5, 5.0, 7.5], atol=1e-6)
+    assert_allclose(fly(eight(), [right, left, centre]), [2.5, 7.5, 10.0], atol=1e-6)
+    assert_allclose(fly(eight(), [centre, right, centre, left, centre]), [0.0, 2.5, 5.0, 7.5, 10.0], atol=1e-6)
+
+
+def test_a_fly_by_is_not_taken_for_the_passage():
+    there_and_back = line()
+    there_and_back[500:] = there_and_back[500::-1]
+    there_and_back[:, 1] = np.where(TIMES < 5, 1.0, 0.0)  # 1 m beside the gate on the way there
+    assert_allclose(fly(there_and_back, [[4.0, 0.0, 0.0]]), [8.0], atol=1e-6)
+    assert_allclose(fly(there_and_back, [[4.0, 0.0, 0.0], [9.0, 1.0, 0.0]]), [2.0, 4.5], atol=1e-6)
+
+
+def test_a_gate_that_is_passed_too_far_away_is_named_with_its_distance():
+    with pytest.raises(MissedGateError, match=r"gate 1: is passed at 1\.50 m; 1\.3 m"):
+        fly(line(), [[3.0, 0.0, 0.0], [7.0, 1.5, 0.0]])
+
+
+def test_a_gate_that_is_passed_only_before_its_turn_is_named():
+    with pytest.raises(MissedGateError, match=r"gate 1: is not passed after gate 0, only before it"):
+        fly(line(), [[7.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
+
+
+def test_the_start_and_the_end_may_be_closest():
+    assert_allclose(fly(line(), [[-0.5, 0.0, 0.0], [20.5, 0.0, 0.0]]), [0.0, 10.0])
+
+
+def test_hovering_at_a_gate_passes_it():
+    assert len(fly(np.zeros((1001, 3)), [[0.5, 0.0, 0.0]])) == 1
+
+
+@given(st.integers(0, 10_000), st.integers(1, 4))
+def test_no_other_ascending_choice_of_approaches_is_cheaper(seed, count):
+    rng = np.random.default_rng(seed)
+    angle = 2 * np.pi * TIMES[:, None] / 10 * rng.integers(1, 5, size=3)
+    position = 2 * np.sin(angle + rng.uniform(0, 6, size=3))
+    gates = rng.normal(size=(count, 3))
+    distances = np.linalg.norm(position[:, None] - gates, axis=2)
+    padded = np.vstack([np.full(count, np.inf), distances, np.full(count, np.inf)])
+    minima = [np.flatnonzero((padded[:-2, g] >= distances[:, g]) & (padded[2:, g] > distances[:, g])) for g in range(count)]
+    sums = [
+        sum(distances[row, gate] ** 2 for gate, row in enumerate(rows))
+        for rows in product(*minima)
+        if all(distances[row, gate] < 1.5 for gate, row in enumerate(rows)) and all(np.diff(rows) > 0)
+    ]
+    try:
+        passages = fly(position, gates.tolist(), distance=1.5)
+    except MissedGateError:
+        assert not sums
+        return
+    found = np.stack([np.interp(passages, TIMES, column) for column in position.T], axis=1)
+    assert ((found - gates) ** 2).sum() <= min(sums) + 0.02
