@@ -1,0 +1,157 @@
+"""What may be asked on the command line: every command with its arguments; imports nothing that takes time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from hotlap.cli.parser import Parser, one_of, path, whole
+
+KINDS = ("race", "track", "quadrotor")
+GOALS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of `hotlap`.
+
+    Attributes:
+        summary: one sentence that says what it does.
+        add: adds its arguments to a parser.
+        examples: how it is called.
+        purpose: one clause for the list of commands.
+    """
+
+    purpose: str
+    summary: str
+    add: Callable[[Parser], None]
+    examples: tuple[str, ...]
+
+    def parser(self, name: str) -> Parser:
+        """A parser of its arguments."""
+        parser = Parser(f"hotlap {name}", self.summary, self.examples)
+        self.add(parser)
+        parser.add_argument("--json", action="store_true", help="print one JSON document instead of text for people")
+        return parser
+
+
+def _race(parser: Parser) -> None:
+    parser.add_argument("race", metavar="RACE", help="a built-in race (hotlap races) or a TOML file")
+
+
+def _reference(parser: Parser) -> None:
+    parser.add_argument("--reference", type=path, metavar="FILE", help="read this CSV instead of planning")
+
+
+def _world(parser: Parser) -> None:
+    parser.add_argument("--on", default="built-in", metavar="WORLD", help="where to fly (default: built-in)")
+
+
+def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
+    return
+
+
+def _check(parser: Parser) -> None:
+    parser.add_argument("file", metavar="FILE", help="a TOML file, or the name of a built-in race, track or quadrotor")
+
+
+def _new(parser: Parser) -> None:
+    parser.add_argument("kind", metavar="KIND", type=one_of("kind of file", KINDS), help=", ".join(KINDS))
+    parser.add_argument("name", metavar="NAME", help="what it is called; the file is NAME.toml")
+
+
+def _plan(parser: Parser) -> None:
+    _race(parser)
+    parser.add_argument("--out", type=path, metavar="FILE", help="write the reference as CSV")
+    parser.add_argument("--picture", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
+    _reference(parser)
+    parser.add_argument("--no-cache", action="store_true", help="plan anew, and keep nothing in the cache of plans")
+
+
+def _tune(parser: Parser) -> None:
+    _race(parser)
+    add = parser.add_argument
+    add("--tuner", default="metropolis_hastings", metavar="NAME", help="NAME or NAME:PRESET (default: metropolis_hastings)")
+    add("--goal", default="completion=1", help=f"when to stop: {GOALS} (default: completion=1)")
+    add("--budget", type=whole, default=200, metavar="N", help="flights at most, re-flights included (default: 200)")
+    add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")
+    add("--out", type=path, metavar="DIR", help="folder of the study, begun or gone on with (default: runs/RACE-DATE, new)")
+    _reference(parser)
+    add("--first-guess", default="default", metavar="FILE", help="parameters to begin with: a file, a study's folder, or default")
+    _world(parser)
+    add("--validation", type=whole, default=200, metavar="N", help="flights of the result with fresh noise, 0 for none (default: 200)")
+    add("--confirmations", type=whole, default=4, metavar="N", help="re-flights that a candidate must pass (default: 4)")
+    add("--batch", type=whole, default=8, metavar="N", help="most candidates to fly at once, for tuners that can (default: 8)")
+
+
+def _fly(parser: Parser) -> None:
+    _race(parser)
+    add = parser.add_argument
+    add("--parameters", type=path, metavar="FILE", help="a parameters file or a study's folder (default: the default weights)")
+    add("--flights", type=whole, default=100, metavar="N", help="how many, each with noise of its own (default: 100)")
+    add("--seed", type=whole, default=0, metavar="S", help="of the noise (default: 0)")
+    _reference(parser)
+    _world(parser)
+    add("--log", type=path, metavar="FILE", help="write the first flight as CSV, step by step")
+
+
+def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
+    return
+
+
+COMMANDS: Mapping[str, Command] = {
+    "races": Command("list the built-in races", "List the built-in races and what to expect of them.", _races, ()),
+    "check": Command(
+        "say what a file means",
+        "Say what a track, quadrotor or race means: thrust margins, latency, limits that bind, expected difficulty.",
+        _check,
+        ("hotlap check my-race.toml", "hotlap check circle-34"),
+    ),
+    "new": Command(
+        "write a file to start from",
+        "Write a commented file to start from, every key with its unit and default.",
+        _new,
+        ("hotlap new quadrotor my-drone",),
+    ),
+    "plan": Command(
+        "plan the fastest reference",
+        "Plan the minimum-time reference of a race, segment it, and write it for others to read.",
+        _plan,
+        ("hotlap plan circle-34 --out circle.csv --picture circle.png",),
+    ),
+    "tune": Command(
+        "tune the controller for a race",
+        "Tune the controller until the goal holds in fresh flights, validate it, and draw it. Every flight is recorded; the same\n"
+        "command with --out goes on where it was interrupted. Exits with 1 when the goal was not confirmed within the budget.",
+        _tune,
+        ("hotlap tune circle-34", "hotlap tune my-race.toml --budget 500 --out runs/mine", 'hotlap tune split-s --goal "mean_error<0.3"'),
+    ),
+    "fly": Command(
+        "fly parameters again",
+        "Fly a race with given parameters and fresh noise, and say how the flights ended.",
+        _fly,
+        ("hotlap fly circle-34", "hotlap fly circle-34 --parameters runs/mine --flights 1000"),
+    ),
+    "bench": Command("measure the flight core", "Measure how fast the flight core flies on this machine.", _bench, ()),
+}
+
+
+def overview() -> str:
+    """The help of `hotlap` itself."""
+    width = max(map(len, COMMANDS))
+    commands = "\n".join(f"  {name:<{width}}  {command.purpose}" for name, command in COMMANDS.items())
+    return f"""usage: hotlap COMMAND [ARGUMENTS]
+
+From a list of gates to a tuned controller: plans the fastest flight through a race track, then tunes a
+quadrotor's model-predictive controller in simulated flights until it passes every gate.
+
+commands:
+{commands}
+
+options:
+  -h, --help  show this help, or that of a command: hotlap tune --help
+  --version   show the version
+
+Every command takes --json. Exit status: 0 success, 1 the work failed (goal not reached, no plan), 2 bad input.
+To begin with: hotlap tune circle-34
+"""

@@ -1,0 +1,58 @@
+"""Flying: what `tune` and `fly` share: a course and a world made ready, and parameters that fit."""
+
+from __future__ import annotations
+
+import shlex
+from argparse import Namespace
+from pathlib import Path
+
+from hotlap.cli.output import note, working
+from hotlap.course import Course
+from hotlap.database import FILE
+from hotlap.errors import InputError
+from hotlap.files import PARAMETERS_FILE, load_parameters
+from hotlap.parameters import Parameters
+from hotlap.preparation import differences, parameters_for, prepare
+from hotlap.race import Race
+from hotlap.worlds.world import World
+
+
+def make_course(race: Race, options: Namespace) -> Course:
+    """Plan, or read the reference."""
+    with working(f"planning {race.name}" if options.reference is None else f"reading {options.reference}"):
+        return prepare(race, options.reference)
+
+
+def make_ready(world: World, course: Course) -> None:
+    """Let a world compile what it flies with, and say so where that takes its time."""
+    prepare_world = getattr(world, "prepare", None)
+    if prepare_world is None:
+        return
+    if getattr(world, "needs_compiling", False):
+        with working("compiling the flight core (once, about half a minute)"):
+            prepare_world(course)
+    else:
+        prepare_world(course)
+
+
+def read_parameters(path: Path, course: Course) -> Parameters:
+    """Parameters from a file or a study's folder, shape (S, K); says for what else they were tuned."""
+    if path.is_dir() and (path / FILE).exists() and not (path / PARAMETERS_FILE).exists():
+        raise InputError(
+            str(path), "", f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap tune --out {path} goes on with it"
+        )
+    saved = load_parameters(path)
+    values = parameters_for(course, saved, str(path / PARAMETERS_FILE if path.is_dir() else path))
+    for difference in differences(course, saved):
+        note(f"note: {path}: {difference}")
+    return values
+
+
+def command_to_fly(options: Namespace, parameters: Path) -> str:
+    """The command that flies tuned parameters as they were tuned."""
+    words = ["hotlap", "fly", options.race, "--parameters", str(parameters)]
+    if options.reference is not None:
+        words += ["--reference", str(options.reference)]
+    if options.on != "built-in":
+        words += ["--on", options.on]
+    return shlex.join(words)

@@ -1,0 +1,90 @@
+"""Main: finds the command, runs it, and turns every way to end into an exit status and at most one line."""
+
+from __future__ import annotations
+
+import io
+import os
+import shlex
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+
+from hotlap import __version__
+from hotlap.cli.arguments import COMMANDS, overview
+from hotlap.cli.parser import HELP
+from hotlap.cli.stopping import Stopped, stopped_by_signals
+from hotlap.errors import HotlapError, InputError, UnknownNameError
+
+SUCCESS, FAILURE, BAD_INPUT = 0, 1, 2
+PIPE_CLOSED = 141  # 128 + SIGPIPE, as of any program whose reader went away
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command.
+
+    Args:
+        arguments: without the program's name; None: those of the process.
+
+    Returns:
+        Exit status: 0 success, 1 the work failed, 2 bad input, 128 + the signal that stopped it.
+    """
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a terminal without our characters is no reason to fail
+    try:
+        with stopped_by_signals():
+            status = _run(arguments)
+            sys.stdout.flush()
+            return status
+    except InputError as error:
+        return _complain(str(error), BAD_INPUT)
+    except HotlapError as error:
+        return _complain(str(error), FAILURE)
+    except KeyboardInterrupt as stop:
+        notes = getattr(stop, "__notes__", [f"begin again with: {shlex.join(['hotlap', *arguments])}"])
+        return _complain(f"interrupted; {notes[0]}", stop.code if isinstance(stop, Stopped) else 130)
+    except BrokenPipeError:
+        _drop_output()
+        return PIPE_CLOSED
+    except OSError as error:
+        if error.filename is None:
+            _drop_output()
+        return _complain(f"{error.filename or 'standard output'}: {error.strerror or error}", FAILURE)
+
+
+def _run(arguments: list[str]) -> int:
+    """Find the command and call it."""
+    if not arguments or arguments[0] in HELP:
+        sys.stdout.write(overview())
+        return SUCCESS
+    name, *rest = arguments
+    if name == "--version":
+        sys.stdout.write(f"hotlap {__version__}\n")
+        return SUCCESS
+    if name.startswith("-"):
+        raise InputError(name, "", "is no option of hotlap; options of a command follow its name, see hotlap --help")
+    if name not in COMMANDS:
+        raise UnknownNameError("command", name, COMMANDS)
+    parser = COMMANDS[name].parser(name)
+    options = parser.parse(rest)
+    if options is None:
+        sys.stdout.write(parser.format_help())
+        return SUCCESS
+    options.arguments = tuple(rest)
+    return import_module(f"hotlap.cli.{name}").run(options)
+
+
+def _complain(message: str, status: int) -> int:
+    """One line on standard error."""
+    printable = (character if character.isprintable() else repr(character)[1:-1] for character in message)  # as of a file's odd name
+    sys.stderr.write(f"hotlap: {''.join(printable)}\n")
+    return status
+
+
+def _drop_output() -> None:
+    """Let what is still to be flushed go nowhere, so that the interpreter does not fail over it again."""
+    with suppress(OSError), Path(os.devnull).open("w", encoding="utf-8") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())

@@ -1,0 +1,91 @@
+"""`hotlap plan RACE`: the minimum-time reference, its segments, and files of it for others."""
+
+from __future__ import annotations
+
+import shutil
+from argparse import Namespace
+from collections.abc import Iterator
+from typing import Any
+
+from rich.text import Text
+
+from hotlap.cli.inputs import PICTURES, check_source, check_target
+from hotlap.cli.output import Line, facts, present, seconds, table, working
+from hotlap.course import Course
+from hotlap.files import load_race
+from hotlap.preparation import prepare
+from hotlap.reference_csv import save_reference
+from hotlap.report.map import draw_map
+
+WIDEST = 100  # columns of a map
+
+
+def run(options: Namespace) -> int:
+    """Plan, or read a reference; write what is asked for."""
+    check_target(options.out)
+    check_target(options.picture, PICTURES)
+    check_source(options.reference)
+    race = load_race(options.race)
+    with working(f"planning {race.name}" if options.reference is None else f"reading {options.reference}"):
+        course = prepare(race, options.reference, cache=not options.no_cache)
+    if options.out is not None:
+        save_reference(options.out, course.reference)
+    if options.picture is not None:
+        from hotlap.report.pictures import draw_plan  # noqa: PLC0415  matplotlib, only where there is something to draw
+
+        draw_plan(options.picture, course)
+    files = {"csv": options.out, "picture": options.picture}
+    document = {**describe(course), **{kind: str(path) for kind, path in files.items() if path is not None}}
+    present(as_json=options.json, document=document, lines=[*_lines(course), *_written(options)])
+    return 0
+
+
+def describe(course: Course) -> dict[str, Any]:
+    """The keys of `hotlap plan --json`."""
+    reference, segments = course.reference, course.segments
+    rows = zip(segments.classes, segments.starts.tolist(), segments.ends.tolist(), strict=True)
+    return {
+        "race": course.race.name,
+        "duration": float(reference.duration),
+        "lap_time": reference.lap_time,
+        "max_speed": float(reference.speeds.max()),
+        "mean_speed": float(reference.speeds.mean()),
+        "cpu_time": float(reference.cpu_time),
+        "gates": len(reference.gate_times),
+        "segments": [{"class": name, "start": start, "end": end} for name, start, end in rows],
+    }
+
+
+def _lines(course: Course) -> Iterator[Line]:
+    """For people: figures, segments, and a map."""
+    reference, segments = course.reference, course.segments
+    yield f"{course.race.name}: {len(reference.gate_times)} gates in {seconds(reference.lap_time)}"
+    yield from facts(
+        {
+            "duration": seconds(reference.duration),
+            "lap time": seconds(reference.lap_time),
+            "top speed": f"{reference.speeds.max():.1f} m/s",
+            "mean speed": f"{reference.speeds.mean():.1f} m/s",
+            "planned in": f"{reference.cpu_time:.1f} s of processor time" if reference.cpu_time else "",
+        }
+    )
+    gates = [str((course.gate_segments == i).sum()) for i in range(len(segments))]
+    rows = zip(segments.classes, segments.starts, segments.ends, gates, strict=True)
+    cells = [("segment", "start", "end", "gates"), *((str(name), f"{start:.2f}", f"{end:.2f}", count) for name, start, end, count in rows)]
+    yield from table(cells, right=(1, 2, 3), indent="  ")
+    yield from _map(course)
+
+
+def _map(course: Course) -> Iterator[Line]:
+    """The track from above and from the side, as wide as the terminal is."""
+    width = min(shutil.get_terminal_size().columns, WIDEST)
+    gates, segments = course.race.track.gate_positions, course.segments
+    yield from Text.from_ansi(draw_map(course.reference, gates, segments, width=width, height=width // 4, colour=True)).split()
+
+
+def _written(options: Namespace) -> Iterator[Line]:
+    """What was written where."""
+    if options.out is not None:
+        yield f"reference written to {options.out}"
+    if options.picture is not None:
+        yield f"picture written to {options.picture}"

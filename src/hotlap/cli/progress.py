@@ -1,0 +1,93 @@
+"""Progress: how a tuning goes on, to standard error: a bar on a terminal, else a line every few seconds."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from hotlap.cli.output import Plain, note, percent
+from hotlap.tuning import Batch, Candidate
+
+INTERVAL = 5.0  # s between lines
+
+Watch = Callable[[Batch], None]
+
+
+@contextmanager
+def follow(budget: int, flown: int, validation_flights: int) -> Iterator[Watch]:
+    """Show the batches of a tuning.
+
+    Args:
+        budget: flights at most.
+        flown: flights of earlier sittings.
+        validation_flights: that follow the last batch.
+
+    Yields:
+        What to call after each batch.
+    """
+    console = Plain(stderr=True)
+    if not console.is_terminal:
+        yield Lines(budget, flown, validation_flights)
+        return
+    state = TextColumn("{task.fields[state]}", markup=False)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("flights", total=budget, completed=flown, state="")
+        rate = Rate(flown)
+
+        def watch(batch: Batch) -> None:
+            progress.update(task, completed=batch.flights, state=f"{describe(batch.best)}, {rate(batch.flights)}")
+            if batch.done and validation_flights:
+                progress.update(task, description="validating", total=None, state=f"{validation_flights} flights with fresh noise")
+
+        yield watch
+
+
+class Rate:
+    """Flights per second since it was made.
+
+    Args:
+        flown: flights so far.
+        clock: [s]
+    """
+
+    def __init__(self, flown: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._flown, self._clock, self._start = flown, clock, clock()
+
+    def __call__(self, flights: int) -> str:
+        """For people, as of now."""
+        elapsed = self._clock() - self._start
+        return f"{(flights - self._flown) / elapsed:.3g} flights/s" if elapsed > 0 else "- flights/s"
+
+
+class Lines:
+    """Progress for logs: one line every few seconds, and one when the search has ended.
+
+    Args:
+        budget: flights at most.
+        flown: flights so far.
+        validation_flights: that follow the last batch.
+        clock: [s]
+    """
+
+    def __init__(self, budget: int, flown: int, validation_flights: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._budget, self._validation_flights, self._clock = budget, validation_flights, clock
+        self._rate, self._last = Rate(flown, clock), clock()
+
+    def __call__(self, batch: Batch) -> None:
+        """Say how it stands, if it is time."""
+        if batch.done or self._clock() - self._last >= INTERVAL:
+            self._last = self._clock()
+            note(f"{batch.flights} of {self._budget} flights, best so far: {describe(batch.best)}, {self._rate(batch.flights)}")
+        if batch.done and self._validation_flights:
+            note(f"validating: {self._validation_flights} flights with fresh noise ...")
+
+
+def describe(best: Candidate) -> str:
+    """The best candidate in few words."""
+    cost = f", cost {best.cost:.3g}" if math.isfinite(best.cost) else ""
+    return f"completion {percent(best.completion)}{cost}{', confirmed' if best.confirmed else ''}"

@@ -1,0 +1,71 @@
+"""Stopping: Ctrl-C and SIGTERM end a command in order, once; a second one ends it at once."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any, NoReturn
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class Stopped(KeyboardInterrupt):
+    """The user, or the machine, wants the command to end.
+
+    Attributes:
+        signal: which of `SIGNALS` said so.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.signal = number
+
+    @property
+    def code(self) -> int:
+        """The exit status by which a shell knows it."""
+        return 128 + self.signal
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[None]:
+    """Raise `Stopped` where a signal arrives, also where a library made another error of it."""
+    received: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(number: int, _: FrameType | None) -> NoReturn:
+        received.append(number)
+        _restore(dict.fromkeys(SIGNALS, signal.SIG_DFL))
+        raise Stopped(number)
+
+    before = {number: signal.signal(number, stop) for number in SIGNALS}
+    try:
+        yield
+    except Exception as error:
+        if not received:
+            raise
+        stopped = Stopped(received[0])
+        for remark in getattr(error, "__notes__", ()):
+            stopped.add_note(remark)
+        raise stopped from error
+    finally:
+        _restore(before)
+
+
+@contextmanager
+def remark(text: str) -> Iterator[None]:
+    """What to say where what runs within is stopped; of several, the innermost counts."""
+    try:
+        yield
+    except BaseException as error:
+        error.add_note(text)
+        raise
+
+
+def _restore(handlers: dict[signal.Signals, Any]) -> None:
+    for number, handler in handlers.items():
+        signal.signal(number, handler)

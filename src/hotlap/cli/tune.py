@@ -1,0 +1,119 @@
+"""`hotlap tune RACE`: the main job: tune, confirm, validate, save, draw."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+from hotlap import __version__, tuners, worlds
+from hotlap.cli.flying import make_course, make_ready, read_parameters
+from hotlap.cli.inputs import check_range, check_source
+from hotlap.cli.output import note, present
+from hotlap.cli.progress import follow
+from hotlap.cli.stopping import remark
+from hotlap.cli.summary import summarise
+from hotlap.configuration import Configuration
+from hotlap.errors import HotlapError, StudyError
+from hotlap.files import PARAMETERS_FILE, load_parameters, load_race, save_parameters
+from hotlap.goal import Quantity, parse_goal
+from hotlap.objective import Objective
+from hotlap.result import Result
+from hotlap.saved_parameters import Remark, SavedParameters
+from hotlap.study import Study, carry_out, new_folder
+from hotlap.tuning import TuningSettings
+from hotlap.worlds.world import World
+
+MOST_VALIDATED = 100_000
+DEFAULT_GUESS = "default"
+
+
+def run(options: Namespace) -> int:
+    """Tune, and say how it ended: 1 where the goal was not confirmed within the budget."""
+    world, configuration = _configure(options)
+    folder = new_folder(configuration.course.race.name) if options.out is None else options.out
+    with remark(f"nothing is lost; go on with: {_continuing(options, folder)}"), Study.open(folder, configuration) as study:
+        result = _carry_out(study, world, options.validation)
+        file = folder / PARAMETERS_FILE
+        save_parameters(file, _saved(study, result))
+        pictures = _draw(study, world)
+    paths = {"study": str(folder), "parameters": str(file), "pictures": [str(path) for path in pictures]}
+    present(as_json=options.json, document={**result.dump(), "world": world.name, **paths}, lines=summarise(result, paths, options))
+    return 0 if result.best.confirmed or configuration.settings.goal.quantity is Quantity.NONE else 1
+
+
+def _configure(options: Namespace) -> tuple[World, Configuration]:
+    """Check everything that was asked for, the quick things first, and plan."""
+    numbers = {name: getattr(options, name) for name in ("budget", "seed", "confirmations", "batch")}
+    settings = TuningSettings(goal=parse_goal(options.goal), **numbers)
+    check_range("--validation", options.validation, 0, MOST_VALIDATED)
+    tuner, world = tuners.build(options.tuner), worlds.build(options.on)
+    check_source(options.reference)
+    guess = None if options.first_guess == DEFAULT_GUESS else Path(options.first_guess)
+    if guess is not None:
+        load_parameters(guess)
+    if options.out is not None and options.out.exists() and not options.out.is_dir():
+        raise StudyError(str(options.out), "", "is a file, not the folder of a study")
+    with remark(f"nothing is lost; begin again with: {shlex.join(['hotlap', 'tune', *options.arguments])}"):
+        course = make_course(load_race(options.race), options)
+    first = course.space.first_guess(len(course.segments)) if guess is None else read_parameters(guess, course)
+    return world, Configuration(course, world.name, settings.goal.metric, tuner.name, settings, first)
+
+
+def _carry_out(study: Study, world: World, validation_flights: int) -> Result:
+    """Tune and validate, from wherever the study stands."""
+    configuration = study.configuration
+    make_ready(world, configuration.course)
+    before = study.result
+    if before is not None:
+        note(f"{study.folder}: going on after {before.flights} flights")
+    objective = Objective(configuration.course, world, configuration.metric)
+    with follow(configuration.settings.budget, before.flights if before else 0, validation_flights) as watch:
+        result = carry_out(study, objective, watch, validation_flights)
+    validated = 0 if result.validation is None else result.validation.flights
+    if validated != validation_flights:
+        note(f"note: {study.folder}: was validated by {validated} flights before, and is not again")
+    return result
+
+
+def _saved(study: Study, result: Result) -> SavedParameters:
+    """The best parameters, with how they came about; the same study always gives the same file."""
+    course = study.configuration.course
+    provenance: dict[str, Remark | None] = {
+        "hotlap": __version__,
+        "study": study.configuration.fingerprint,
+        "world": study.configuration.world,
+        "tuner": result.tuner,
+        "goal": result.goal,
+        "seed": result.seed,
+        "flights": result.flights,
+        "search_flights": result.search_flights,
+        "confirmed": result.best.confirmed,
+        "completion": result.best.completion,
+        "lap_time": result.best.lap_time if math.isfinite(result.best.lap_time) else None,
+    }
+    if result.validation is not None:
+        low, high = result.validation.interval
+        provenance |= {"validation_flights": result.validation.flights, "validated_rate": result.validation.rate}
+        provenance |= {"validated_low": low, "validated_high": high}
+    known = {key: value for key, value in provenance.items() if value is not None}
+    return SavedParameters(course.race.name, course.space.names, course.segments, result.best.parameters, known)
+
+
+def _draw(study: Study, world: World) -> tuple[Path, ...]:
+    """Pictures of a study; what is tuned is saved already, and worth no less without them."""
+    from hotlap.report.pictures import draw  # noqa: PLC0415  matplotlib takes half a second to load
+
+    try:
+        return draw(study.folder, study, world)
+    except (HotlapError, OSError) as error:
+        note(f"note: no pictures: {error}")
+        return ()
+
+
+def _continuing(options: Namespace, folder: Path) -> str:
+    """The command that goes on with a study."""
+    words: list[Any] = ["hotlap", "tune", *options.arguments]
+    return shlex.join(words if options.out is not None else [*words, "--out", str(folder)])

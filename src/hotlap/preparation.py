@@ -1,0 +1,69 @@
+"""Preparation: what stands between a race and its first flight: a reference, its segments, and parameters that fit them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.course import Course
+from hotlap.errors import InputError
+from hotlap.files import load_race
+from hotlap.planning import plan
+from hotlap.race import Race
+from hotlap.reference_csv import load_reference
+from hotlap.saved_parameters import SavedParameters
+from hotlap.segmentation import segment
+
+
+def prepare(race: Race | str | Path, reference: str | Path | None = None, *, cache: bool = True) -> Course:
+    """Make a race ready to fly: plan it, or read its reference, and cut that into segments.
+
+    Args:
+        race: a race, the name of a built-in one, or a file.
+        reference: a CSV to read instead of planning.
+        cache: take the plan from the user's cache if it is there, and leave it there.
+
+    Raises:
+        InputError: a file is not usable.
+        PlanningError: there is no plan, or none was found.
+    """
+    race = race if isinstance(race, Race) else load_race(race)
+    flown = plan(race, cache=cache) if reference is None else load_reference(Path(reference), race)
+    return Course(race, flown, segment(flown))
+
+
+def parameters_for(course: Course, saved: SavedParameters, source: str) -> NDArray[np.float64]:
+    """Saved parameters in the order of the course's space, shape (S, K).
+
+    Args:
+        course: what they are wanted for; its number of segments, names and bounds count, not the name of its race.
+        saved: as read from a file.
+        source: the file, for messages.
+
+    Raises:
+        InputError: when they do not fit.
+    """
+    space, segments = course.space, course.segments
+    if sorted(saved.names) != sorted(space.names):
+        raise InputError(source, "names", f"are {', '.join(saved.names)}; the controller takes {', '.join(space.names)}")
+    if len(saved.segments) != len(segments):
+        reason = f"there are {len(saved.segments)}, tuned for {saved.race}; {course.race.name} has {len(segments)}"
+        raise InputError(source, "segment", f"{reason}, and parameters belong to the segments of one reference")
+    values = saved.values[:, [saved.names.index(name) for name in space.names]]
+    for i, j in np.argwhere((values < space.low) | (values > space.high)).tolist():
+        bounds = f"[{space.low[j]:g}, {space.high[j]:g}], which controller.low and controller.high may widen"
+        raise InputError(source, f"segment[{i}].{space.names[j]}", f"{values[i, j]:g} is not within {bounds}")
+    return values
+
+
+def differences(course: Course, saved: SavedParameters) -> tuple[str, ...]:
+    """What is worth knowing about parameters that fit but were tuned for something else, one clause each."""
+    remarks = []
+    if saved.race != course.race.name:
+        remarks.append(f"tuned for {saved.race}, used for {course.race.name}")
+    mine, theirs = course.segments.classes, saved.segments.classes
+    if mine != theirs:
+        remarks.append(f"tuned for segments {', '.join(theirs)}, used for {', '.join(mine)}")
+    return tuple(remarks)

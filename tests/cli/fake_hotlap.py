@@ -1,0 +1,73 @@
+"""The program with a world, a planner and pictures that take no time; also run as a process: fake_hotlap.py ARGUMENTS."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+
+from fake_world import FakeWorld, make_course
+from hotlap import preparation, worlds
+from hotlap.errors import UnknownNameError
+from hotlap.records import Log
+
+
+@dataclass
+class Loud(FakeWorld):
+    """Says on standard error when it flies, and keeps a log of nothing."""
+
+    loud: bool = False
+    needs_compiling: bool = True
+
+    def prepare(self, _):
+        pass
+
+    def fly(self, course, parameters, seeds, *, truth=None, log=()):
+        if self.loud:
+            sys.stderr.write("flying\n")
+            sys.stderr.flush()
+        flights = super().fly(course, parameters, seeds, truth=truth)
+        steps = np.zeros(3)
+        return replace(flights, logs={i: Log(steps, np.zeros((3, 13)), np.zeros((3, 4)), np.full((3, 4), np.nan)) for i in log})
+
+
+def build(name: str) -> Loud:
+    if name != "built-in":
+        raise UnknownNameError("world", name, ["built-in"], "--on")
+    pause = float(os.environ.get("FAKE_PAUSE", "0"))
+    return Loud(name="fake", pause=pause, loud=pause > 0)
+
+
+def draw(folder, *_):
+    return tuple(folder / f"{name}.svg" for name in ("track", "error"))
+
+
+def module(name: str, **contents) -> ModuleType:
+    made = ModuleType(name)
+    vars(made).update(contents)
+    return made
+
+
+MODULES = {"hotlap.report.pictures": module("pictures", draw=draw)}
+REPLACEMENTS: list[tuple[Any, str, Any]] = [
+    (worlds, "build", build),
+    (preparation, "plan", lambda *_, **__: make_course().reference),
+    (preparation, "segment", lambda _: make_course().segments),
+]
+"""What to put in place of what flies, plans and draws."""
+
+
+if __name__ == "__main__":
+    from hotlap.cli import main
+
+    for place, name, value in REPLACEMENTS:
+        setattr(place, name, value)
+    sys.modules.update(MODULES)
+    sys.exit(main())

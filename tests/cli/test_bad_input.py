@@ -1,0 +1,165 @@
+"""Bad input: one line that says where, what and why; exit 2; nothing on standard output."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from fake_world import make_course
+from hotlap.files import save_parameters
+from hotlap.saved_parameters import SavedParameters
+
+PARAMETERS = """race = "straight"
+names = ["Q_pos_xy", "Q_pos_z", "Q_attitude", "Q_velocity", "horizon"]
+[[segment]]
+class = "flat"
+start = 0.0
+end = 2.5
+Q_pos_xy = 100
+Q_pos_z = 300
+Q_attitude = 50
+Q_velocity = 5
+horizon = 4
+"""
+SECOND = PARAMETERS[PARAMETERS.index("[[segment]]") :].replace("0.0", "2.5").replace("end = 2.5", "end = 5.0")
+
+FILES = {
+    "broken.toml": "name = [",
+    "typo.toml": 'track = "circle"\nvehicle = "hummingbird"\n[noise]\nthrsut = 0.1\n',
+    "unknown.toml": 'track = "cirlce"\nvehicle = "hummingbird"\n',
+    "negative.toml": 'base = "hummingbird"\nmass = -1\n',
+    "nothing.toml": "",
+    "binary.toml": b"\xff\xfe\0\1",
+    "one-segment.toml": PARAMETERS,
+    "names.toml": (PARAMETERS + SECOND).replace("horizon", "patience"),
+    "bounds.toml": (PARAMETERS + SECOND).replace("Q_attitude = 50", "Q_attitude = 5000"),
+    "gap.toml": PARAMETERS + SECOND.replace("start = 2.5", "start = 3.5"),
+    "reference.csv": "t,p_x\n0,0\n",
+    "a file\nof two lines.toml": "name = [",
+}
+
+CASES = {
+    "tnue circle-34": "there is no command named 'tnue' (did you mean tune?); available: bench, check",
+    "--json races": "--json: is no option of hotlap; options of a command follow its name",
+    "--nonsense": "--nonsense: is no option of hotlap",
+    "races circle-34": "circle-34: is one argument too many; see hotlap races --help",
+    "tune": "RACE: is missing; see hotlap tune --help",
+    "new track": "NAME: is missing",
+    "new": "KIND, NAME: is missing",
+    "tune circle-34 --bugdet 5": "--bugdet: is no option of hotlap tune (did you mean --budget?)",
+    "tune circle-34 --bud 5": "--bud: is no option of hotlap tune",
+    "tune circle-34 -x": "-x: is no option of hotlap tune",
+    "tune circle-34 --budget": "--budget: needs a value",
+    "tune circle-34 --budget many": "--budget: must be a whole number, not 'many'",
+    "tune circle-34 --budget 1.5": "--budget: must be a whole number, not '1.5'",
+    "tune circle-34 --budget 0": "--budget: must be from 1 to",
+    "tune circle-34 --seed -1": "--seed: must be from 0 to",
+    "tune circle-34 --batch 0": "--batch: must be from 1",
+    "tune circle-34 --confirmations -1": "--confirmations: must be from 0",
+    "tune circle-34 --validation -1": "--validation: must be from 0",
+    "tune circle-34 --json=yes": "--json: ignored explicit argument 'yes'",
+    "tune circle-34 --goal fast": "--goal: 'fast' is no goal; write completion=1",
+    "tune circle-34 --goal completion=7": "--goal: a completion is a fraction above 0 and at most 1, not 7",
+    "tune circle-34 --goal mean_error=1": "--goal: mean_error= makes no sense",
+    "tune circle-34 --tuner anealing": "--tuner: there is no tuner named 'anealing'",
+    "tune circle-34 --tuner random_search:papr": "--tuner: there is no preset of random_search named 'papr' (did you mean paper?)",
+    "tune circle-34 --on mars": "--on: there is no world named 'mars'; available: built-in",
+    "tune cirlce-34": "there is no race named 'cirlce-34' (did you mean circle-34?); available: ",
+    "tune missing.toml": "missing.toml: there is no such file",
+    "tune broken.toml": "broken.toml: is not valid TOML: ",
+    "tune typo.toml": "typo.toml: noise.thrsut: ",
+    "tune unknown.toml": "unknown.toml: track: there is no track named 'cirlce' (did you mean circle?)",
+    "tune straight.toml --out straight.toml": "straight.toml: is a file, not the folder of a study",
+    "tune straight.toml --out straight.toml/below": "straight.toml/below: cannot be used as the folder of a study",
+    "tune straight.toml --reference missing.csv": "missing.csv: there is no such file",
+    "tune straight.toml --reference .": ".: is a folder, not a file",
+    "tune straight.toml --reference reference.csv": "reference.csv: ",
+    "tune straight.toml --first-guess missing.toml": "missing.toml: there is no such file",
+    "tune straight.toml --first-guess broken.toml": "broken.toml: is not valid TOML",
+    "tune straight.toml --first-guess one-segment.toml": "one-segment.toml: segment: there are 1, tuned for straight; straight has 2",
+    "fly straight.toml --parameters missing": "missing: there is no such file",
+    "fly straight.toml --parameters one-segment.toml": "one-segment.toml: segment: there are 1",
+    "fly straight.toml --parameters names.toml": "names.toml: names: are Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, patience; the",
+    "fly straight.toml --parameters bounds.toml": "bounds.toml: segment[0].Q_attitude: 5000 is not within [1, 100]",
+    "fly straight.toml --parameters gap.toml": "gap.toml: segment[1].start: must be 2.5",
+    "fly straight.toml --parameters cache": "cache/parameters.toml: there is no such file",
+    "fly straight.toml --flights 0": "--flights: must be from 1 to 100000, not 0",
+    "fly straight.toml --seed 99999999999": "--seed: must be from 0 to 2147483647",
+    "fly straight.toml --log nowhere/log.csv": "nowhere/log.csv: cannot be written: there is no folder nowhere",
+    "plan straight.toml --out .": ".: is a folder, not a file to write",
+    "plan straight.toml --out nowhere/plan.csv": "nowhere/plan.csv: cannot be written: there is no folder nowhere",
+    "plan straight.toml --picture plan.txt": "plan.txt: must end with .png, .svg, .pdf",
+    "plan straight.toml --out=": "--out: must be a path, not ''",
+    "check missing.toml": "missing.toml: there is no such file",
+    "check negative.toml": "negative.toml: mass: ",
+    "check nothing.toml": "nothing.toml: is neither a race",
+    "check binary.toml": "binary.toml: is not UTF-8 text",
+    "check hummingbrid": "there is no race, track or quadrotor named 'hummingbrid' (did you mean hummingbird?)",
+    "check ./": ".: is a folder, not a file",
+    "check a file\nof two lines.toml": "a file\\nof two lines.toml: is not valid TOML",
+    "new boat mine": "KIND: there is no kind of file named 'boat'; available: quadrotor, race, track",
+    "new track straight": "straight.toml: exists already and is left as it is",
+    "new track nowhere/mine": "nowhere/mine.toml: cannot be written",
+    "new track .toml": "NAME: must be a name",
+    "new track ": "NAME: must be a name",
+}
+
+
+@pytest.fixture
+def mistakes(here):
+    for name, content in FILES.items():
+        (here / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    (here / "cache").mkdir()
+
+
+@pytest.mark.usefixtures("faked", "mistakes")
+@pytest.mark.parametrize("as_json", [False, True], ids=["text", "json"])
+@pytest.mark.parametrize("line", CASES)
+def test_bad_input_is_one_clear_line(hotlap, line, as_json):
+    if as_json and line.startswith("-"):
+        pytest.skip("no command")
+    words = line.split(" ", 1) if "\n" in line else line.split(" ")  # the name of a file may have blanks in it
+    ran = hotlap(*words, *(["--json"] if as_json else []))
+    assert (ran.code, ran.out) == (2, ""), ran
+    last = ran.err.splitlines()[-1]
+    assert last.startswith(f"hotlap: {CASES[line]}"), ran.err
+    assert all(said.endswith(" ...") for said in ran.err.splitlines()[:-1]), ran.err  # what it was at
+    assert "Traceback" not in ran.err
+
+
+@pytest.mark.parametrize("line", ["tnue circle-34", "tune circle-34 --budget many", "check missing.toml", "new boat mine"])
+def test_the_same_from_a_shell(here, environment, line):
+    ran = subprocess.run(
+        [sys.executable, "-m", "hotlap.cli", *line.split()], capture_output=True, text=True, check=False, cwd=here, env=environment
+    )
+    assert (ran.returncode, ran.stdout) == (2, "")
+    assert ran.stderr.startswith(f"hotlap: {CASES[line]}")
+    assert ran.stderr.count("\n") == 1
+
+
+def test_an_argument_that_is_no_text_is_one_line_too(here, environment):
+    ran = subprocess.run(
+        [sys.executable, "-m", "hotlap.cli", "check", b"\xff.toml"], capture_output=True, check=False, cwd=here, env=environment
+    )
+    assert (ran.returncode, ran.stdout) == (2, b"")
+    assert ran.stderr == b"hotlap: \\udcff.toml: there is no such file\n"
+
+
+@pytest.mark.usefixtures("faked", "mistakes")
+def test_bad_input_leaves_no_folder_behind(hotlap, here):
+    before = sorted(here.rglob("*"))
+    for line in ("tune straight.toml --goal fast", "tune straight.toml --first-guess one-segment.toml", "tune straight.toml --on mars"):
+        assert hotlap(*line.split()).code == 2
+    assert sorted(here.rglob("*")) == before
+
+
+@pytest.mark.usefixtures("faked")
+def test_parameters_of_a_race_with_the_same_segments_are_flown_with_a_note(hotlap, here):
+    course = make_course()
+    saved = SavedParameters("another", course.space.names, course.segments, course.space.first_guess(2))
+    save_parameters(here / "other.toml", saved)
+    ran = hotlap("fly", "straight.toml", "--parameters", "other.toml", "--flights", "3")
+    assert ran.code == 0
+    assert "note: other.toml: tuned for another, used for straight\n" in ran.err

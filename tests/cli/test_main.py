@@ -1,0 +1,100 @@
+"""The command line as a whole: help, exit codes, purity of standard output, speed of loading."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hotlap import __version__
+from hotlap.cli.arguments import COMMANDS, GOALS, KINDS
+from hotlap.cli.main import main
+from hotlap.files import Kind
+from hotlap.goal import FORMS
+
+PROGRAM = [sys.executable, "-m", "hotlap.cli"]
+HEAVY = {"numba", "casadi", "matplotlib", "scipy", "sklearn", "numpy", "pydantic", "rich", "cmaes"}
+
+
+def test_without_arguments_it_says_what_it_can_do(hotlap):
+    ran = hotlap()
+    assert (ran.code, ran.err) == (0, "")
+    assert all(f"\n  {name} " in ran.out for name in COMMANDS)
+    assert hotlap("--help") == hotlap("-h") == ran
+
+
+def test_version(hotlap):
+    assert hotlap("--version").out == f"hotlap {__version__}\n"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_help_even_beside_mistakes(hotlap, name):
+    ran = hotlap(name, "--nonsense", "--help")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out.startswith(f"usage: hotlap {name}")
+    assert "--json" in ran.out
+    assert all(len(line) <= 140 for line in ran.out.splitlines())
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["tune", "--help"], ["tune", "--nonsense"], ["tnue"]])
+def test_help_and_mistakes_load_nothing_that_takes_time(arguments):
+    program = f"import sys; from hotlap.cli import main; main({arguments!r}); print(*sys.modules, file=sys.stderr)"
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert {name.partition(".")[0] for name in ran.stderr.split()} & HEAVY == set()
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_module_of_a_command_loads_nothing_that_flies_plans_or_draws(name):
+    pytest.importorskip(f"hotlap.cli.{name}", exc_type=ImportError)
+    program = f"import sys, hotlap.cli.{name}; print(*sys.modules)"
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    loaded = {module.partition(".")[0] for module in ran.stdout.split()}
+    assert loaded & {"casadi", "matplotlib", "sklearn"} == set()
+    assert name in {"tune", "fly", "bench"} or loaded & {"numba", "scipy"} == set()
+
+
+def test_goals_in_the_help_are_those_there_are():
+    assert (FORMS, tuple(Kind)) == (GOALS, KINDS)
+
+
+def test_a_reader_that_goes_away_is_no_error():
+    process = subprocess.Popen([*PROGRAM, "races"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    assert process.wait() == 141
+    process.stderr.close()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+def test_a_full_disk_behind_standard_output_is_one_line():
+    with Path("/dev/full").open("w") as full:
+        ran = subprocess.run([*PROGRAM, "races"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (ran.returncode, ran.stderr) == (1, "hotlap: standard output: No space left on device\n")
+
+
+def test_a_terminal_without_our_characters_is_no_error(here, environment):
+    (here / "ümlaut.toml").write_text('base = "hummingbird"\nname = "ümlaut"\n', encoding="utf-8")
+    ran = subprocess.run(
+        [*PROGRAM, "check", "ümlaut.toml"], capture_output=True, check=False, env={**environment, "PYTHONIOENCODING": "ascii"}
+    )
+    assert (ran.returncode, ran.stderr) == (0, b"")
+    assert b"mlaut" in ran.stdout
+
+
+def test_what_is_wrong_with_the_machine_is_one_line_without_traceback(hotlap, monkeypatch):
+    def fail(*_):
+        raise PermissionError(13, "Permission denied", "/somewhere")
+
+    monkeypatch.setattr("hotlap.cli.races.load_race", fail)
+    ran = hotlap("races")
+    assert (ran.code, ran.out, ran.err) == (1, "", "hotlap: /somewhere: Permission denied\n")
+
+
+def test_our_own_mistakes_are_not_hidden(monkeypatch):
+    monkeypatch.setattr("hotlap.cli.races.load_race", lambda _: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        main(["races"])

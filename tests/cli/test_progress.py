@@ -1,0 +1,59 @@
+"""What is said while a tuning goes on."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hotlap.cli.output import finite, percent, table
+from hotlap.cli.progress import Lines, Rate, describe
+from hotlap.tuning import Candidate
+
+
+def candidate(**changes) -> Candidate:
+    return Candidate(
+        **{"parameters": np.ones((1, 5)), "cost": 3.14159, "completion": 0.5, "lap_time": 5.0, "flights": 1, "confirmed": False, **changes}
+    )
+
+
+class Clock:
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def test_logs_get_a_line_every_few_seconds_and_one_at_the_end(capsys):
+    clock = Clock()
+    lines = Lines(200, 40, 100, clock)
+    for flights in range(41, 61):
+        clock.now += 1.0
+        lines(SimpleNamespace(flights=flights, best=candidate(), done=flights == 60))  # pyright: ignore[reportArgumentType]
+    said = capsys.readouterr().err.splitlines()
+    assert said[0] == "45 of 200 flights, best so far: completion 50 %, cost 3.14, 1 flights/s"
+    assert [line.partition(" ")[0] for line in said] == ["45", "50", "55", "60", "validating:"]
+
+
+def test_a_rate_before_any_time_has_passed_is_none():
+    assert Rate(0, Clock())(5) == "- flights/s"
+
+
+def test_a_cost_that_is_infinite_is_left_out():
+    assert describe(candidate(cost=float("inf"), completion=0.0)) == "completion 0 %"
+
+
+@pytest.mark.parametrize(
+    ("share", "text"), [(1.0, "100 %"), (0.0, "0 %"), (0.97, "97 %"), (0.9996, "99.96 %"), (0.0004, "0.04 %"), (1 / 3, "33.3 %")]
+)
+def test_percentages_are_never_rounded_to_all_or_nothing(share, text):
+    assert percent(share) == text
+
+
+def test_columns_line_up():
+    assert table([("a", "1", "x"), ("bbb", "22", "")], right=[1], indent="  ") == ["  a     1  x", "  bbb  22"]
+
+
+def test_numbers_that_json_does_not_have_become_null():
+    assert finite({"a": [float("nan"), 1.0], "b": (float("inf"), "x"), "c": None}) == {"a": [None, 1.0], "b": [None, "x"], "c": None}

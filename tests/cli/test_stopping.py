@@ -1,0 +1,64 @@
+"""Signals become one exception, whatever a library makes of it, and handlers are given back."""
+
+from __future__ import annotations
+
+import signal
+import threading
+
+import pytest
+
+from hotlap.cli.stopping import SIGNALS, Stopped, remark, stopped_by_signals
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_stops_and_handlers_are_given_back(number):
+    before = [signal.getsignal(each) for each in SIGNALS]
+    with pytest.raises(Stopped) as stopped, stopped_by_signals():
+        signal.raise_signal(number)
+    assert stopped.value.code == 128 + number
+    assert [signal.getsignal(each) for each in SIGNALS] == before
+
+
+def through_a_library():
+    """As wrappers of C++ do it."""
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        raise RuntimeError("the solver was interrupted") from None
+
+
+def test_what_a_library_makes_of_a_signal_is_still_a_stop():
+    with pytest.raises(Stopped) as stopped, stopped_by_signals(), remark("outer"), remark("inner"):
+        through_a_library()
+    assert stopped.value.__notes__ == ["inner", "outer"]
+
+
+def test_other_errors_pass():
+    with pytest.raises(ValueError, match="mine"), stopped_by_signals():
+        raise ValueError("mine")
+
+
+def handlers_when_stopped() -> list:
+    try:
+        signal.raise_signal(signal.SIGTERM)
+    except Stopped:
+        return [signal.getsignal(number) for number in SIGNALS]
+    return []
+
+
+def test_a_second_signal_is_the_systems():
+    with stopped_by_signals():
+        assert handlers_when_stopped() == [signal.SIG_DFL] * len(SIGNALS)
+
+
+def test_in_a_thread_signals_are_left_alone():
+    ended = []
+
+    def work():
+        with stopped_by_signals():
+            ended.append(True)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert ended

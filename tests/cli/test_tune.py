@@ -1,0 +1,272 @@
+"""`hotlap tune`, end to end in a world that takes no time."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import signal
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fake_world import make_course
+from hotlap import __version__
+from hotlap.cli import main
+from hotlap.database import FILE
+from hotlap.files import load_parameters, save
+from hotlap.study import Study
+
+PROGRAM = [sys.executable, str(Path(__file__).parent / "fake_hotlap.py")]
+EASY = ("tune", "straight.toml", "--seed", "1", "--validation", "50")
+HARD = ("tune", "straight.toml", "--goal", "mean_error<0.01", "--budget", "30", "--validation", "20")
+KEYS = {
+    "race",
+    "tuner",
+    "seed",
+    "flights",
+    "search_flights",
+    "completion",
+    "confirmed",
+    "validation",
+    "lap_time",
+    "cost",
+    "wall_time",
+    "study",
+}
+
+pytestmark = pytest.mark.usefixtures("faked")
+
+
+def content(folder: Path) -> list:
+    """All that a run decides, as SQLite has it."""
+    connection = sqlite3.connect(folder / FILE)
+    flights = connection.execute("SELECT * FROM flight ORDER BY stream, number").fetchall()
+    entries = connection.execute("SELECT * FROM entry WHERE key != 'wall_time' ORDER BY key").fetchall()
+    connection.close()
+    return [flights, entries]
+
+
+def test_a_confirmed_goal_is_success_and_says_everything(hotlap, here):
+    ran = hotlap(*EASY)
+    assert ran.code == 0
+    (folder,) = (here / "runs").iterdir()
+    study = folder.relative_to(here)
+    assert ran.out.startswith("straight: completion=1 confirmed\n")
+    assert re.search(r"holds in +\S+ % of 50 flights \[\d+, \d+\]\n", ran.out)
+    for line in (
+        f"study           {study}\n",
+        f"parameters      {study}/parameters.toml\n",
+        f"pictures        {study}/track.svg\n{' ' * 18}{study}/error.svg\n",
+    ):
+        assert line in ran.out
+    assert ran.out.endswith(f"fly it again: hotlap fly straight.toml --parameters {study}\n")
+    assert ran.err.splitlines()[:2] == ["planning straight ...", "compiling the flight core (once, about half a minute) ..."]
+    assert re.fullmatch(r"\d+ of 200 flights, best so far: completion 100 %, cost \S+, confirmed, \S+ flights/s", ran.err.splitlines()[2])
+    assert ran.err.splitlines()[3:] == ["validating: 50 flights with fresh noise ..."]
+
+
+def test_json_is_one_document_with_the_keys_that_are_relied_on(hotlap):
+    ran = hotlap(*EASY, "--out", "mine", "--json")
+    assert ran.code == 0
+    assert set(ran.document) >= KEYS
+    assert set(ran.document["validation"]) == {"flights", "successes", "rate", "low", "high"}
+    assert 0 < ran.document["validation"]["low"] < ran.document["validation"]["rate"] <= 1
+    assert (ran.document["race"], ran.document["study"], ran.document["goal"], ran.document["confirmed"]) == (
+        "straight",
+        "mine",
+        "completion=1",
+        True,
+    )
+
+
+def test_a_goal_that_is_not_confirmed_is_exit_1_and_the_best_is_kept(hotlap, here):
+    ran = hotlap(*HARD, "--out", "mine")
+    assert ran.code == 1
+    assert ran.out.startswith("straight: mean_error<0.01 NOT confirmed in 30 flights; the best so far is kept\n")
+    with Study.read(here / "mine") as study:
+        assert study.result is not None
+        best = study.result.best
+    np.testing.assert_array_equal(load_parameters(here / "mine").values, best.parameters)
+    ran = hotlap(*HARD, "--out", "mine", "--json")
+    assert (ran.code, ran.document["confirmed"], ran.document["flights"]) == (1, False, 30)
+
+
+def test_no_goal_is_nothing_to_fail_at(hotlap):
+    ran = hotlap("tune", "straight.toml", "--goal", "none", "--budget", "20")
+    assert ran.code == 0
+    assert ran.out.startswith("straight: budget of 20 flights spent, no goal was set\n")
+
+
+def test_parameters_say_where_they_come_from(hotlap, here):
+    hotlap(*EASY, "--out", "mine")
+    provenance = load_parameters(here / "mine").provenance
+    assert provenance["hotlap"] == __version__
+    assert re.fullmatch("[0-9a-f]{16}", str(provenance["study"]))
+    assert (provenance["tuner"], provenance["goal"], provenance["seed"]) == ("metropolis_hastings:tied", "completion=1", 1)
+    assert (provenance["confirmed"], provenance["validation_flights"]) == (True, 50)
+    assert provenance["validated_low"] <= provenance["validated_rate"] <= provenance["validated_high"]
+
+
+def test_a_finished_study_says_the_same_again(hotlap):
+    first, again = (hotlap(*EASY, "--out", "mine", "--json") for _ in range(2))
+    assert {**first.document, "wall_time": 0} == {**again.document, "wall_time": 0}
+    assert "mine: going on after" in again.err
+
+
+def test_a_validation_of_another_size_is_not_made_again_and_said(hotlap):
+    hotlap(*EASY, "--out", "mine")
+    ran = hotlap("tune", "straight.toml", "--seed", "1", "--validation", "60", "--out", "mine", "--json")
+    assert ran.document["validation"]["flights"] == 50
+    assert "note: mine: was validated by 50 flights before, and is not again\n" in ran.err
+
+
+def test_no_validation(hotlap):
+    ran = hotlap("tune", "straight.toml", "--validation", "0", "--json")
+    assert ran.document["validation"] is None
+    assert "validat" not in ran.err
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [(("--seed", "2"), "seed"), (("--tuner", "random_search"), "tuner.name"), (("--goal", "none"), "goal"), (("--batch", "1"), "batch")],
+)
+def test_another_configuration_is_refused_and_nothing_changes(hotlap, here, change, key):
+    hotlap(*EASY, "--out", "mine")
+    before = content(here / "mine")
+    ran = hotlap(*EASY, *change, "--out", "mine")
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err.splitlines()[-1].startswith(f"hotlap: mine: {key}: this study has ")
+    assert content(here / "mine") == before
+
+
+def test_a_larger_budget_goes_on(hotlap):
+    assert hotlap(*HARD, "--out", "mine").code == 1
+    ran = hotlap(*HARD, "--budget", "60", "--out", "mine", "--json")
+    assert ran.document["flights"] == 60
+    assert hotlap(*HARD, "--out", "mine").err.endswith("may be given more, not 30\n")
+
+
+def test_a_first_guess_is_where_the_search_begins(hotlap, here):
+    hotlap(*EASY, "--out", "first")
+    hotlap(*EASY, "--goal", "none", "--budget", "1", "--first-guess", "first", "--out", "second")
+    with Study.read(here / "second") as study:
+        np.testing.assert_array_equal(study.flights().parameters[0], load_parameters(here / "first").values)
+
+
+def test_a_race_that_cannot_be_planned_is_exit_1(hotlap, monkeypatch):
+    from hotlap.errors import PlanningError  # noqa: PLC0415
+
+    def fail(*_, **__):
+        raise PlanningError("straight", 3, "the gate lies below the floor")
+
+    monkeypatch.setattr("hotlap.preparation.plan", fail)
+    ran = hotlap(*EASY, "--json")
+    assert (ran.code, ran.out) == (1, "")
+    assert ran.err.endswith("hotlap: no plan for straight, gate 3: the gate lies below the floor\n")
+
+
+def test_pictures_that_fail_cost_no_result(hotlap, monkeypatch):
+    def fail(*_):
+        raise OSError(28, "No space left on device", "track.png")
+
+    monkeypatch.setattr(sys.modules["hotlap.report.pictures"], "draw", fail)
+    ran = hotlap(*EASY, "--json")
+    assert ran.code == 0
+    assert ran.document["pictures"] == []
+    assert "note: no pictures: " in ran.err
+
+
+def test_a_bar_on_a_terminal_and_words_stay_off_standard_output(hotlap, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    ran = hotlap(*EASY, "--json")
+    assert ran.code == 0
+    assert ran.document["confirmed"]
+    assert "validating" in ran.err
+    assert "\x1b[" in ran.err
+
+
+def start(arguments, environment, pause="0.02"):
+    return subprocess.Popen(
+        [*PROGRAM, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**environment, "FAKE_PAUSE": pause},
+    )
+
+
+def wait_for_flights(process, count):
+    assert process.stderr is not None
+    seen = []
+    while seen.count("flying\n") < count:
+        line = process.stderr.readline()
+        assert line, seen
+        seen.append(line)
+
+
+def test_killed_in_the_middle_the_same_command_ends_as_if_never_stopped(hotlap, here, environment):
+    command = (*HARD, "--out", "mine", "--json")
+    for flights in (2, 5, 9):
+        process = start(command, environment)
+        wait_for_flights(process, flights)
+        process.kill()
+        assert process.communicate()[0] == ""
+        assert process.returncode == -signal.SIGKILL
+    process = start(command, environment, "0")
+    out, err = process.communicate()
+    assert process.returncode == 1, err
+    whole = hotlap(*HARD, "--out", "whole", "--json")
+    assert content(here / "mine") == content(here / "whole")
+    assert (here / "mine" / "parameters.toml").read_bytes() == (here / "whole" / "parameters.toml").read_bytes()
+    ours, theirs = ({**ran, "wall_time": 0} for ran in (type(whole)(1, out, err).document, whole.document))
+    assert {**ours, "study": "", "parameters": "", "pictures": ""} == {**theirs, "study": "", "parameters": "", "pictures": ""}
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_stopped_it_says_how_to_go_on_and_going_on_ends_as_if_never_stopped(here, environment, capsys, number, code):
+    process = start(HARD, environment)
+    wait_for_flights(process, 4)
+    process.send_signal(number)
+    out, err = process.communicate()
+    assert (process.returncode, out) == (code, "")
+    last = [line for line in err.splitlines() if line != "flying"]
+    assert len(last) == 1, err
+    said, _, command = last[0].partition("go on with: ")
+    assert said == "hotlap: interrupted; nothing is lost; "
+    program, *arguments = shlex.split(command)
+    assert (program, arguments[: len(HARD)], arguments[-2]) == ("hotlap", list(HARD), "--out")
+    assert main(arguments) == 1
+    assert "going on after" in capsys.readouterr().err
+    assert main([*HARD, "--out", "whole"]) == 1
+    assert content(here / arguments[-1]) == content(here / "whole")
+
+
+def test_an_interrupted_study_has_no_parameters_yet_and_says_so(hotlap, environment):
+    process = start((*HARD, "--out", "mine"), environment)
+    wait_for_flights(process, 3)
+    process.kill()
+    process.communicate()
+    ran = hotlap("fly", "straight.toml", "--parameters", "mine")
+    assert ran.code == 2
+    assert "hotlap: mine: holds a study that has not ended" in ran.err
+
+
+def test_two_at_once_on_one_study_are_refused(hotlap, here, environment):
+    process = start((*HARD, "--out", "mine"), environment, "0.2")
+    wait_for_flights(process, 1)
+    ran = hotlap(*HARD, "--out", "mine")
+    process.kill()
+    process.communicate()
+    assert (ran.code, ran.out) == (2, "")
+    assert f"process {process.pid} is working on this study" in ran.err
+    assert here.exists()
+
+
+def test_names_that_a_shell_would_take_apart_come_back_whole(hotlap, here):
+    save(here / "my race.toml", make_course().race)
+    ran = hotlap("tune", "my race.toml", "--seed", "1", "--out", "my study")
+    assert ran.out.endswith("fly it again: hotlap fly 'my race.toml' --parameters 'my study'\n")
