@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from hotlap.course import Course
 from hotlap.errors import HotlapError
+from hotlap.flight.job import LOG_COLUMNS, Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.numbers import Numbers
 from hotlap.flight.plant import autopilot_numbers, truth_of, vehicle_numbers
-from hotlap.flight.simulate import LOG_COLUMNS, Job, Settings, worker
+from hotlap.flight.simulate import fly_queue
 from hotlap.parameters import Parameters
 from hotlap.race import PLANT_STEP, Race, ReferenceTime
 from hotlap.records import Flights, Log
@@ -66,15 +67,14 @@ def fly_batch(
     """
     job, gates = prepare(course, parameters, seeds, numbers, truth, log)
     verdicts = new_verdicts(len(seeds), len(gates.times))
-    settings, work = settings_of(course.race), worker(numbers)
+    settings = settings_of(course.race)
     crew = min(threads or os.cpu_count() or 1, -(-len(seeds) // numbers.lanes))
-    effort = np.zeros((max(crew, 1), 2), dtype=np.int64)
     if crew <= 1:
-        work(job, settings, gates, verdicts, effort[0])
+        effort = fly_queue(numbers, job, settings, gates, verdicts)
     else:
         with ThreadPoolExecutor(crew) as pool:  # compiled code runs without the interpreter's lock
-            list(pool.map(lambda row: work(job, settings, gates, verdicts, row), effort))
-    lane_steps, useful_steps = effort.sum(axis=0).tolist()
+            effort = sum(pool.map(lambda _: fly_queue(numbers, job, settings, gates, verdicts), range(crew)))
+    lane_steps, useful_steps = np.asarray(effort).tolist()
     return _record(course, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import INLINE
 from hotlap.race import JudgeSettings, Rule
 from hotlap.records import End
 
@@ -119,7 +119,7 @@ def new_verdicts(flights: int, gates: int) -> Verdicts:
     )
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def judge(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float, now: Any, reference: Any, fastest_rate: float) -> bool:
     """Judge one control period of flight i; whether the flight is over.
 
@@ -151,12 +151,12 @@ def judge(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float,
     return over or (v.end[i] == MISSED and not g.fly_on)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _distance(a: Any, b: Any) -> float:
     return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _end(v: Verdicts, i: int, how: int, time: float, position: Any) -> None:
     """How a flight ended; what comes first counts."""
     if v.end[i] == FLYING:
@@ -166,7 +166,7 @@ def _end(v: Verdicts, i: int, how: int, time: float, position: Any) -> None:
             v.end_position[i, k] = position[k]
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _crash(v: Verdicts, i: int, g: Gates, time: float, now: Any, error: float) -> bool:
     """The flight is over; with every gate behind it, it had finished."""
     if v.gates_passed[i] == len(g.times):
@@ -178,7 +178,7 @@ def _crash(v: Verdicts, i: int, g: Gates, time: float, now: Any, error: float) -
     return True
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _finish(v: Verdicts, i: int, lap_time: float, now: Any) -> bool:
     """The flight is over and complete."""
     if v.end[i] == FLYING:
@@ -187,7 +187,7 @@ def _finish(v: Verdicts, i: int, lap_time: float, now: Any) -> bool:
     return True
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _approach(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float, now: Any) -> None:
     """Closest approach to every gate whose window is open: within the period, to the straight line."""
     while v.opened[i] < len(g.times) and g.times[v.opened[i]] + g.after < start:
@@ -210,7 +210,7 @@ def _approach(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: fl
             v.closest_time[i, k] = start + share * (time - start)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _clock(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float, now: Any) -> None:
     """Distance from every gate that the reference passes within the period, at that time."""
     while v.clocked[i] < len(g.times) and g.times[v.clocked[i]] <= time:
@@ -223,7 +223,7 @@ def _clock(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float
         v.clocked[i] += 1
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _decide_by_clock(v: Verdicts, i: int, g: Gates, first: int, start: float, before: Any, time: float, now: Any) -> None:
     """Closer than d at t_r(i), or the flight ends there (Eq. 6)."""
     for k in range(first, v.clocked[i]):
@@ -241,7 +241,7 @@ def _decide_by_clock(v: Verdicts, i: int, g: Gates, first: int, start: float, be
                 _finish(v, i, g.times[k], place)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _decide_by_approach(v: Verdicts, i: int, g: Gates, time: float, now: Any) -> bool:
     """Closer than d at some time within the window; a lap ends when the drone recedes from the last gate."""
     last = len(g.times) - 1
@@ -258,7 +258,7 @@ def _decide_by_approach(v: Verdicts, i: int, g: Gates, time: float, now: Any) ->
     return g.times[last] + g.after <= time
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _decide_at_the_end(v: Verdicts, i: int, g: Gates, time: float, now: Any) -> bool:
     """Closer than d at some time of the whole flight; nobody looks at the last gate (the released code)."""
     last = len(g.times) - 1

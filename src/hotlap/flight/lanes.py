@@ -254,6 +254,34 @@ def _typed_as_numbers(memory: Any, width: Any) -> Any:
     return lambda memory, width: _as_numbers(memory, width)
 
 
+def borrow(memory: Any) -> Any:
+    """A named tuple whose arrays compiled code does not count references to; somebody else must hold them.
+
+    Counting is atomic, and happens at every access of an array in a tuple: it would cost more than the arithmetic.
+    """
+    return memory
+
+
+@intrinsic
+def _borrow(typing: Any, memory: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        values = cgutils.unpack_tuple(builder, arguments[0], len(memory.types))
+        for place, (kind, value) in enumerate(zip(memory.types, values, strict=True)):
+            if isinstance(kind, types.Array):
+                array = make_array(kind)(context, builder, value)
+                array.meminfo = ir.Constant(array.meminfo.type, None)
+                array.parent = ir.Constant(array.parent.type, None)
+                values[place] = array._getvalue()  # noqa: SLF001
+        return context.make_tuple(builder, memory, values)
+
+    return memory(memory), generate
+
+
+@implement(borrow)
+def _typed_borrow(memory: Any) -> Any:
+    return lambda memory: _borrow(memory)
+
+
 def take(counter: np.ndarray) -> int:
     """Add one to counter[0] and return its old value, safely among threads."""
     counter[0] += 1

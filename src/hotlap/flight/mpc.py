@@ -86,10 +86,8 @@ class Mpc(NamedTuple):
     cut: Any
 
 
-@njit(**COMPILE)
-def allocate_mpc(nodes: int, lanes: int, like: np.ndarray) -> Mpc:
-    """Raw memory, of the kind of float that `like` has."""
-    kind = like.dtype
+def allocate_mpc(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Mpc:
+    """Raw memory, of one kind of float."""
     return Mpc(
         np.zeros((nodes + 1, 10, lanes), kind),
         np.zeros((nodes, 4, lanes), kind),

@@ -102,10 +102,8 @@ VEHICLE_SIZE, AUTOPILOT_SIZE = sum(dynamics.VEHICLE.values()), sum(dynamics.AUTO
 DISTURBANCE_SIZE = sum(dynamics.DISTURBANCE.values())
 
 
-@njit(**COMPILE)
-def allocate_craft(lanes: int, like: np.ndarray) -> Craft:
-    """Raw memory, of the kind of float that `like` has."""
-    kind = like.dtype
+def allocate_craft(lanes: int, kind: type[np.floating[Any]]) -> Craft:
+    """Raw memory, of one kind of float."""
     return Craft(
         np.zeros((17, lanes), kind),
         np.zeros((17, lanes), kind),

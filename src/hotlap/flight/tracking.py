@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 
 from hotlap.flight.mpc import Mpc
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import INLINE
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def read_reference(m: Mpc, lane: int, table: np.ndarray, period: float, time: float, spacing: float) -> None:
     """Reference at the nodes of a lane's horizon, between rows by straight lines; the last row holds for ever.
 
@@ -30,7 +30,7 @@ def read_reference(m: Mpc, lane: int, table: np.ndarray, period: float, time: fl
             m.reference[n, i, lane] = table[row, i] + share * (table[row + 1, i] - table[row, i])
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def hover_inputs(m: Mpc, lane: int) -> None:
     """The inputs of hovering in place of the reference's."""
     for n in range(len(m.reference)):
@@ -39,7 +39,7 @@ def hover_inputs(m: Mpc, lane: int) -> None:
             m.reference[n, a, lane] = 0
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def plan_as_reference(m: Mpc, lane: int) -> None:
     """Begin with the reference itself as the plan."""
     for n in range(len(m.X)):
@@ -50,7 +50,7 @@ def plan_as_reference(m: Mpc, lane: int) -> None:
             m.U[n, a, lane] = m.reference[n, 10 + a, lane]
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def respace_plan(m: Mpc, lane: int, old: float, new: float, later: float) -> None:
     """The plan on another spacing of the nodes: its own states as far as it reaches, the reference beyond.
 

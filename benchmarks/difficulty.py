@@ -1,0 +1,57 @@
+"""How hard the built-in races are: python benchmarks/difficulty.py [--flights 200] [--random 2000] [RACE ...]
+
+For each race, over flights with different noise: completion and share of complete flights of the authors' default weights, and the
+share of complete flights among random parameters, one set for all segments: uniform within the bounds, and uniform in logarithms.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+
+from hotlap.course import Course
+from hotlap.files import Kind, names
+from hotlap.preparation import prepare
+from hotlap.records import Scores
+from hotlap.scoring import score
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.worlds.built_in import BuiltIn
+
+
+def fly(world: BuiltIn, course: Course, sets: np.ndarray, seed: int) -> Scores:
+    """Fly parameter sets of shape (B, K), each in all segments."""
+    parameters = np.repeat(sets[:, None], len(course.segments), axis=1)
+    seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, len(sets))
+    return score(world.fly(course, parameters, seeds), course.race.judge)
+
+
+def describe(world: BuiltIn, race: str, flights: int, random: int) -> str:
+    """A row of the table."""
+    course = prepare(race)
+    space, rng = course.space, np.random.default_rng(0)
+    default = fly(world, course, np.tile(space.default, (flights, 1)), 0)
+    uniform = fly(world, course, rng.uniform(space.low, space.high, (random, space.size)), 1)
+    logarithmic = fly(world, course, space.from_unit(rng.random((random, space.size))), 2)
+    shares = [100 * scores.complete.mean() for scores in (default, uniform, logarithmic)]
+    completion = 100 * default.completion.mean()
+    return f"| {race} | {completion:.0f} | {shares[0]:.0f} | {shares[1]:.2f} | {shares[2]:.1f} |"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("races", nargs="*", default=names(Kind.RACE))
+    parser.add_argument("--flights", type=int, default=200)
+    parser.add_argument("--random", type=int, default=2000)
+    arguments = parser.parse_args()
+    world, start = BuiltIn(), time.perf_counter()
+    print("| race | default: completion % | complete % | uniform: complete % | log-uniform: complete % |\n|---|---|---|---|---|")
+    for race in arguments.races:
+        print(describe(world, race, arguments.flights, arguments.random), flush=True)
+    print(f"\n{time.perf_counter() - start:.0f} s, {world.numbers}")
+
+
+if __name__ == "__main__":
+    main()

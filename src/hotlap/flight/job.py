@@ -1,0 +1,85 @@
+"""What the flight core is given: settings and flights as plain numbers and arrays."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+LOG_COLUMNS = 21  # p q v w, rotor thrusts, command
+
+
+class Settings(NamedTuple):
+    """What all flights share, as plain numbers; see `ControllerSettings` and `NoiseSettings`.
+
+    Attributes:
+        nodes, sweeps: of the controller.
+        period: [s] of the control loop.
+        steps: of the plant in each period.
+        plant_step: [s].
+        table_period: [s] between rows of the reference.
+        lead: [s] by which the reference that the controller compares with lies ahead.
+        predicted_periods, predicted_rest: whole periods, and the rest [s], over which it predicts the state.
+        feed_forward: the reference's inputs, else hover.
+        gravity: [m/s^2] of the controller's model.
+        thrust_noise, rate_noise, noise_memory: actuation; the memory is that of one period.
+        thrust_bias, position, velocity, attitude: of a flight's beginning.
+        measured_position, measured_velocity, measured_attitude: what the controller sees.
+        wind, wind_memory: gusts.
+    """
+
+    nodes: int
+    sweeps: int
+    period: float
+    steps: int
+    plant_step: float
+    table_period: float
+    lead: float
+    predicted_periods: int
+    predicted_rest: float
+    feed_forward: bool
+    gravity: float
+    thrust_noise: float
+    rate_noise: float
+    noise_memory: float
+    thrust_bias: float
+    position: float
+    velocity: float
+    attitude: float
+    measured_position: float
+    measured_velocity: float
+    measured_attitude: float
+    wind: float
+    wind_memory: float
+
+
+class Job(NamedTuple):
+    """B flights over S segments that are to be flown.
+
+    Attributes:
+        table: (rows, 14) reference: p q v, thrust per mass, rates; its kind of float is that of the flights.
+        row_segments: (rows,) segment at each row.
+        parameters: (B, S, 5) Q of p_xy, p_z, attitude, velocity; spacing of the nodes [s].
+        seeds: (B,).
+        input_weights: (4,) R.
+        low, high: (4,) bounds of the inputs.
+        vehicles: (B or 1, V) as `plant.vehicle_numbers` gives them.
+        delay_periods, delay_steps: (B or 1,) dead time in control periods and, beyond them, in steps of the plant.
+        autopilot: (A,).
+        log_rows: (B,) row in `logs`, -1 for a flight that is not logged.
+        logs: (L, periods + 1, 21).
+        queue: (1,) next flight that nobody flies yet.
+    """
+
+    table: Any
+    row_segments: Any
+    parameters: Any
+    seeds: Any
+    input_weights: Any
+    low: Any
+    high: Any
+    vehicles: Any
+    delay_periods: Any
+    delay_steps: Any
+    autopilot: Any
+    log_rows: Any
+    logs: Any
+    queue: Any
