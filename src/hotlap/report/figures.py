@@ -1,0 +1,8 @@
+"""Figures: all that can be drawn, in one place; functions of plain data that return matplotlib figures."""
+
+from hotlap.report.convergence import convergence
+from hotlap.report.time_charts import tracking_error
+from hotlap.report.track_view import track
+from hotlap.report.tuned_parameters import tuned_parameters
+
+__all__ = ["convergence", "track", "tracking_error", "tuned_parameters"]

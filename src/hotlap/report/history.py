@@ -1,0 +1,113 @@
+"""History: how a search went, flight by flight, and what it changed, as plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.goal import Goal, Quantity
+from hotlap.ledger import Ledger
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.scoring import Metric
+from hotlap.seeds import Stream
+from hotlap.segmentation import Segments
+
+Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class History:
+    """Search flights and re-flights in the order flown.
+
+    Attributes:
+        numbers: shape (F,) from 1.
+        cost: shape (F,), less is better; not finite where there is none.
+        completion: shape (F,), 0 to 1.
+        searching: shape (F,) false for re-flights.
+        accepted: shape (F,) whether the tuner went on from there.
+        failed: shape (F,) whether a flight missed the goal; without a goal, whether it was incomplete.
+        cost_name: what the cost measures, with its unit.
+    """
+
+    numbers: NDArray[np.int64]
+    cost: Floats
+    completion: Floats
+    searching: Booleans
+    accepted: Booleans
+    failed: Booleans
+    cost_name: str
+
+    def __len__(self) -> int:
+        """F, the number of flights."""
+        return len(self.numbers)
+
+    @property
+    def best_completion(self) -> Floats:
+        """Largest completion of the search flights so far, shape (F,); NaN before the first."""
+        return np.fmax.accumulate(np.where(self.searching, self.completion, np.nan))
+
+    @property
+    def best_cost(self) -> Floats:
+        """Least cost of the search flights so far, shape (F,); NaN before the first."""
+        return np.fmin.accumulate(np.where(self.searching & np.isfinite(self.cost), self.cost, np.nan))
+
+
+@dataclass(frozen=True)
+class Change:
+    """Parameters before and after.
+
+    Attributes:
+        names: K names.
+        units: K, what 1 stands for; "" for weights.
+        low, high: bounds, shape (K,).
+        before, after: shape (S, K).
+        segments: S segments.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    low: Floats
+    high: Floats
+    before: Parameters
+    after: Parameters
+    segments: Segments
+
+
+def recount(ledger: Ledger, goal: Goal) -> History:
+    """The history of a ledger; its validation is left out."""
+    rows = np.flatnonzero(ledger.streams != int(Stream.VALIDATION))
+    return History(
+        numbers=ledger.numbers[rows] + 1,
+        cost=ledger.cost[rows],
+        completion=ledger.completion[rows],
+        searching=ledger.streams[rows] == int(Stream.SEARCH),
+        accepted=ledger.accepted[rows],
+        failed=~_succeeded(ledger, goal)[rows],
+        cost_name="cost [s]" if goal.metric is Metric.TIME else "cost [m]",
+    )
+
+
+def compare(space: ParameterSpace, segments: Segments, before: Parameters, after: Parameters, horizon_unit: float) -> Change:
+    """What a tuning changed.
+
+    Args:
+        space: of the parameters.
+        segments: S segments.
+        before: shape (S, K).
+        after: shape (S, K).
+        horizon_unit: [s] that a horizon of 1 stands for.
+    """
+    units = tuple(f"{horizon_unit:g} s" if name == "horizon" else "" for name in space.names)
+    return Change(space.names, units, space.low, space.high, before, after, segments)
+
+
+def _succeeded(ledger: Ledger, goal: Goal) -> Booleans:
+    """Which flights met the goal, shape (F,)."""
+    if goal.quantity is Quantity.COMPLETION:
+        return ledger.completion >= goal.threshold
+    errors = {Quantity.MEAN_ERROR: ledger.mean_error, Quantity.MAX_ERROR: ledger.max_error}
+    complete = ledger.completion >= 1
+    return complete & (errors[goal.quantity] < goal.threshold) if goal.quantity in errors else complete

@@ -1,0 +1,129 @@
+"""Pictures: figures of a study or a plan as files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from hotlap.course import Course
+from hotlap.errors import InputError
+from hotlap.parameters import Parameters
+from hotlap.report.figures import convergence, track, tracking_error, tuned_parameters
+from hotlap.report.history import compare, recount
+from hotlap.report.scene import Scene, repeat, stage, trace
+from hotlap.report.style import own_settings
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.study import Study
+from hotlap.worlds.world import World
+
+FORMATS = ("png", "pdf", "svg")
+FLIGHTS = 8  # of the first guess and of the best, all with the same noise; the first of each is the one that is shown
+
+
+def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tuple[Path, ...]:
+    """Draw a study: track, convergence, tracking error and parameters.
+
+    The first guess and the best parameters are flown again, with noise of their own stream; nothing is chosen among these flights.
+
+    Args:
+        folder: where the pictures go.
+        study: to be drawn; it may have no flights yet.
+        world: where its flights happen.
+        flights: how many of each to fly, at least 1.
+
+    Returns:
+        The files.
+
+    Raises:
+        InputError: when one cannot be written.
+    """
+    asked = study.configuration
+    result, settings, space = study.result, asked.settings, asked.course.space
+    first, best = asked.first_guess, asked.first_guess if result is None else result.best.parameters
+    scene = demonstrate(asked.course, world, first, best, flight_seeds(settings.seed, Stream.DEMONSTRATION, 0, flights))
+    history = recount(study.flights(), settings.goal)
+    change = compare(space, asked.course.segments, first, best, asked.course.race.controller.horizon_unit)
+    title = f"{scene.race}: {asked.tuner}"
+    figures = {
+        "track": track(scene),
+        "convergence": convergence(history, title, _standing(study)),
+        "error": tracking_error(scene),
+        "parameters": tuned_parameters(change, f"{scene.race}: what was tuned"),
+    }
+    return tuple(save(folder / f"{name}.png", figure) for name, figure in figures.items())
+
+
+def demonstrate(course: Course, world: World, first: Parameters, best: Parameters, seeds: np.ndarray) -> Scene:
+    """Fly the best parameters and the first guess, each shape (S, K), through the same noise, and record one flight of each.
+
+    Args:
+        course: what is flown.
+        world: where.
+        first: the first guess.
+        best: the best parameters.
+        seeds: shape (N,).
+    """
+    same = np.array_equal(first, best)
+    kinds = [("first guess", first)] if same else [("best", best), ("first guess", first)]
+    count = len(seeds)
+    parameters = np.concatenate([np.repeat(values[None], count, axis=0) for _, values in kinds])
+    flown = world.fly(course, parameters, np.tile(seeds, len(kinds)), log=[i * count for i in range(len(kinds))])
+    traces = tuple(trace(course, flown, i * count, label) for i, (label, _) in enumerate(kinds))
+    repeats = tuple(repeat(flown, slice(i * count, (i + 1) * count), label) for i, (label, _) in enumerate(kinds))
+    return stage(course, traces, repeats)
+
+
+def draw_plan(path: Path, course: Course) -> None:
+    """Draw a plan; the suffix of the file decides the format.
+
+    Raises:
+        InputError: for another suffix than those in `FORMATS`, or when the file cannot be written.
+    """
+    check_format(path)
+    save(path, track(stage(course)))
+
+
+def check_format(path: Path) -> str:
+    """The format that a file's suffix asks for.
+
+    Raises:
+        InputError: when there is no such format.
+    """
+    suffix = path.suffix.removeprefix(".").lower()
+    if suffix not in FORMATS:
+        raise InputError(str(path), "", f"is no picture that can be drawn; it may end in {', '.join(f'.{name}' for name in FORMATS)}")
+    return suffix
+
+
+def save(path: Path, figure: Figure) -> Path:
+    """Write a picture whole or not at all; returns its path.
+
+    Raises:
+        InputError: when it cannot be written.
+    """
+    kind, part = check_format(path), path.with_name(path.name + ".part")
+    metadata = {"png": {"Software": "hotlap"}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[kind]
+    try:
+        with own_settings():
+            figure.savefig(part, format=kind, metadata=metadata)
+        part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise InputError(str(path), "", f"cannot be written: {error.strerror or error}") from None
+    return path
+
+
+def _standing(study: Study) -> str:
+    """How a study stands, in one line."""
+    result = study.result
+    if result is None:
+        return "no flights yet"
+    parts = [f"goal {result.goal}", f"{result.search_flights} search flights, {result.flights} with re-flights"]
+    parts.append("confirmed" if result.best.confirmed else "not confirmed")
+    if result.validation is not None:
+        low, high = result.validation.interval
+        share = f"{result.validation.successes} of {result.validation.flights}"
+        parts.append(f"validated: {share} flights (95 % interval {100 * low:.0f} to {100 * high:.0f} %)")
+    return "; ".join(parts)

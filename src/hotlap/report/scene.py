@@ -1,0 +1,147 @@
+"""Scene: what happened in space and time, as plain arrays: the plan, the gates, and flights along them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.course import Course
+from hotlap.race import Rule
+from hotlap.records import End, Flights
+from hotlap.reference import Reference
+from hotlap.scoring import score
+from hotlap.segmentation import Segments
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One flight that was recorded in full, up to where it ended.
+
+    Attributes:
+        label: what it shows ("best").
+        times: shape (n,) [s].
+        position: shape (n, 3) [m] (world).
+        speed: shape (n,) [m/s].
+        error: shape (n,) [m] distance from the clocked reference.
+        end: how the flight ended.
+        end_time: [s] of the last passed gate, the miss or the crash.
+        end_position: shape (3,) [m] (world) at that time.
+        gates_passed: consecutive, from the first.
+        seen_times: shape (M,) [s] when each gate's distance was measured; NaN where the flight did not get there.
+        gate_distance: shape (M,) [m] as the judge measures it; NaN likewise.
+    """
+
+    label: str
+    times: Floats
+    position: Floats
+    speed: Floats
+    error: Floats
+    end: End
+    end_time: float
+    end_position: Floats
+    gates_passed: int
+    seen_times: Floats
+    gate_distance: Floats
+
+    @property
+    def failed(self) -> bool:
+        """Whether a gate was not passed."""
+        return self.gates_passed < len(self.gate_distance)
+
+    @property
+    def ending(self) -> str:
+        """How it ended, in a few words."""
+        if not self.failed:
+            return f"all {self.gates_passed} gates"
+        return f"{'crashed before' if self.end is End.CRASHED else 'missed'} gate {self.gates_passed + 1}"
+
+
+@dataclass(frozen=True)
+class Repeats:
+    """Several flights with the same parameters and fresh noise.
+
+    Attributes:
+        label: what was flown ("best").
+        flights: how many.
+        complete: how many passed all gates.
+        failures: shape (F, 3) [m] (world) where the others ended, as far as that is known.
+    """
+
+    label: str
+    flights: int
+    complete: int
+    failures: Floats
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A course, and flights along it.
+
+    Attributes:
+        race: its name.
+        reference: what was to be followed.
+        segments: its parts.
+        gates: shape (M, 3) [m] (world).
+        distance: [m] how close counts as passed.
+        traces: flights recorded in full, the one that matters most first.
+        repeats: what else was flown with the same parameters.
+    """
+
+    race: str
+    reference: Reference
+    segments: Segments
+    gates: Floats
+    distance: float
+    traces: tuple[Trace, ...] = ()
+    repeats: tuple[Repeats, ...] = ()
+
+    @property
+    def path(self) -> Floats:
+        """The planned rows, shape (rows, 3) [m] (world)."""
+        return self.reference.position[: self.reference.planned_rows]
+
+
+def stage(course: Course, traces: tuple[Trace, ...] = (), repeats: tuple[Repeats, ...] = ()) -> Scene:
+    """The scene of a course."""
+    race = course.race
+    return Scene(race.name, course.reference, course.segments, race.track.gate_positions, race.judge.distance, traces, repeats)
+
+
+def trace(course: Course, flights: Flights, index: int, label: str) -> Trace:
+    """One flight out of a batch.
+
+    Args:
+        course: what was flown.
+        flights: the batch, with a log of this flight.
+        index: of the flight in the batch.
+        label: what it shows.
+    """
+    log, end, end_time = flights.logs[index], End(int(flights.end[index])), float(flights.end_time[index])
+    last = course.reference.duration if end is End.FINISHED else end_time
+    rows = (log.times <= last + 1e-9) & np.isfinite(log.states[:, :10]).all(axis=1)
+    times, states = log.times[rows], log.states[rows]
+    clocked = flights.clock_distance[index] if course.race.judge.rule is Rule.CLOCK else None
+    return Trace(
+        label=label,
+        times=times,
+        position=states[:, :3],
+        speed=np.linalg.norm(states[:, 7:10], axis=1),
+        error=np.linalg.norm(states[:, :3] - course.reference.position_at(times), axis=1),
+        end=end,
+        end_time=end_time,
+        end_position=flights.end_position[index],
+        gates_passed=int(flights.gates_passed[index]),
+        seen_times=flights.closest_time[index] if clocked is None else np.where(np.isnan(clocked), np.nan, flights.gate_times),
+        gate_distance=score(flights, course.race.judge).gate_distance[index],
+    )
+
+
+def repeat(flights: Flights, rows: slice, label: str) -> Repeats:
+    """Flights of a batch that were flown with the same parameters."""
+    failed = flights.gates_passed[rows] < len(flights.gate_positions)
+    ends = flights.end_position[rows][failed]
+    return Repeats(label, len(failed), int((~failed).sum()), ends[np.isfinite(ends).all(axis=1)])

@@ -1,0 +1,131 @@
+"""Time charts: what charts over a flight's time share, and the tracking error."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from hotlap.report.scene import Scene, Trace
+from hotlap.report.style import BEST, CLASS_COLOURS, FACE, FAILURE, FIRST, INK, QUIET, SMALL, headline, place_axes, styled, text_width
+from hotlap.segmentation import Segments
+
+Floats = NDArray[np.float64]
+
+LEFT, RIGHT, TOP, BOTTOM = 0.62, 1.0, 0.85, 0.5  # inches
+WIDTH, HEIGHT = 8.0, 2.6  # inches of the chart
+LINE_HEIGHT = 0.14  # inches
+
+
+def draw_bands(axes: Axes, segments: Segments, width: float) -> None:
+    """Segments as faint bands with their classes below the upper edge; names lie where there is room and stand where not.
+
+    Args:
+        axes: with the time to the right, its limits set.
+        segments: S segments.
+        width: inches of the axes.
+    """
+    low, high = axes.get_xlim()
+    transform = axes.get_xaxis_transform()
+    for start, end, kind in zip(segments.starts, segments.ends, segments.classes, strict=True):
+        axes.axvspan(start, end, color=CLASS_COLOURS[kind], alpha=0.13, linewidth=0, zorder=0)
+        axes.axvline(end, color=FACE, linewidth=1.2, zorder=0.5)
+        room = (end - start) / (high - low) * width
+        lying = room > text_width(kind.value, SMALL) + 0.05
+        if room > LINE_HEIGHT:
+            axes.text(
+                (start + end) / 2,
+                0.97,
+                kind.value,
+                transform=transform,
+                rotation=0 if lying else 90,
+                fontsize=SMALL,
+                color=QUIET,
+                ha="center",
+                va="top",
+            )
+
+
+def draw_gate_times(axes: Axes, times: Floats, width: float) -> None:
+    """Gates as thin lines, with numbers above wherever there is room for one."""
+    low, high = axes.get_xlim()
+    transform, free = axes.get_xaxis_transform(), -np.inf
+    for i, time in enumerate(times):
+        axes.axvline(time, color="#b9b9b9", linewidth=0.6, zorder=1)
+        place, half = (time - low) / (high - low) * width, text_width(str(i + 1), SMALL) / 2 + 0.03
+        if place - half >= free:
+            axes.text(time, 1.01, str(i + 1), transform=transform, fontsize=SMALL, color=QUIET, ha="center", va="bottom")
+            free = place + half
+
+
+@styled
+def tracking_error(scene: Scene) -> Figure:
+    """Distance from the reference over time of each flight, and how far each gate was missed by the first one."""
+    figure = Figure(figsize=(LEFT + WIDTH + RIGHT, BOTTOM + HEIGHT + TOP))
+    axes, top = place_axes(figure, LEFT, BOTTOM, WIDTH, HEIGHT), _top(scene)
+    axes.set_xlim(0, scene.reference.duration)
+    axes.set_ylim(0, top)
+    draw_bands(axes, scene.segments, WIDTH)
+    draw_gate_times(axes, scene.reference.gate_times, WIDTH)
+    axes.axhline(scene.distance, color=INK, linewidth=0.9, linestyle=(0, (5, 2)), zorder=2)
+    axes.annotate(
+        f"gate passed\nwithin {scene.distance:g} m",
+        (1, scene.distance),
+        xycoords=("axes fraction", "data"),
+        xytext=(5, 0),
+        textcoords="offset points",
+        fontsize=SMALL,
+        va="center",
+    )
+    for flight, colour in zip(scene.traces, (BEST, FIRST), strict=False):
+        _draw_flight(axes, flight, colour, top)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("distance [m]")
+    key = [
+        ("━", colour, f"{flight.label}: {flight.ending}, {_summary(flight)}")
+        for flight, colour in zip(scene.traces, (BEST, FIRST), strict=False)
+    ]
+    detail = "line: distance from the reference; dots: distance from the gate as it is judged; numbers: gates"
+    headline(figure, LEFT, f"{scene.race}: tracking error", detail, key)
+    return figure
+
+
+def _top(scene: Scene) -> float:
+    """[m] that the chart reaches up to: the flight that matters fits, another may leave it."""
+    least = 1.75 * scene.distance
+    shown = scene.traces[0].error if scene.traces else np.zeros(0)
+    return min(max(least, 1.3 * float(shown.max(initial=0.0))), 4 * scene.distance)
+
+
+def _draw_flight(axes: Axes, flight: Trace, colour: str, top: float) -> None:
+    """Error, judged distances and end of one flight."""
+    front = 4 if colour == BEST else 3
+    axes.plot(flight.times, flight.error, color=colour, zorder=front)
+    passed = np.arange(len(flight.gate_distance)) < flight.gates_passed
+    styles: tuple[dict[str, Any], ...] = ({"color": colour}, {"color": FACE, "markeredgecolor": FAILURE})
+    for seen, style in zip((passed, ~passed), styles, strict=True):
+        heights = np.where(flight.gate_distance[seen] > top, np.nan, flight.gate_distance[seen])
+        axes.plot(flight.seen_times[seen], heights, linestyle="none", marker="o", markersize=3.2, zorder=front + 2, clip_on=False, **style)
+    if flight.failed and len(flight.error):
+        _draw_end(axes, float(flight.times[-1]), float(flight.error[-1]), top)
+
+
+def _draw_end(axes: Axes, time: float, error: float, top: float) -> None:
+    """Where a flight failed; what lies above the chart stands near its upper edge, with its value."""
+    height = min(error, 0.84 * top)  # below the names of the classes
+    axes.plot(time, height, marker="x", markersize=7, markeredgewidth=1.5, color=FAILURE, zorder=8, clip_on=False)
+    if error > height:
+        place = {"xytext": (6, 0), "textcoords": "offset points", "va": "center", "annotation_clip": False}
+        label = axes.annotate(f"at {error:.1f} m", (time, height), fontsize=SMALL, color=FAILURE, zorder=8, **place)
+        label.set_path_effects([withStroke(linewidth=1.8, foreground=FACE)])
+
+
+def _summary(flight: Trace) -> str:
+    """Mean and largest error."""
+    if not len(flight.error):
+        return "no record"
+    return f"mean {flight.error.mean():.2f} m, max {flight.error.max():.2f} m"

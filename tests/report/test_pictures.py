@@ -1,0 +1,259 @@
+"""Whatever a study has come to, it can be drawn; nothing half-written is left, nothing global is changed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from plausible_world import OPTIMUM, PlausibleWorld
+
+from fake_world import make_course
+from hotlap.configuration import Configuration
+from hotlap.course import Course
+from hotlap.errors import InputError
+from hotlap.goal import parse_goal
+from hotlap.objective import Objective
+from hotlap.race import JudgeSettings, Rule
+from hotlap.records import End, Log
+from hotlap.report import figures
+from hotlap.report.history import compare, recount
+from hotlap.report.pictures import FORMATS, demonstrate, draw, draw_plan, save
+from hotlap.report.scene import stage
+from hotlap.report.style import styled
+from hotlap.scoring import Metric
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.segmentation import SegmentClass, Segments
+from hotlap.study import Study, carry_out
+from hotlap.tuning import TuningSettings
+
+NAMES = ("track", "convergence", "error", "parameters")
+SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
+
+
+def draw_study(folder: Path, world=None, course: Course | None = None, goal: str = "completion=1", budget: int = 20):
+    """Run a small study, draw it, and return the files."""
+    course, world = course or make_course(), world or PlausibleWorld()
+    settings = TuningSettings(seed=3, budget=budget, goal=parse_goal(goal))
+    guess = course.space.first_guess(len(course.segments))
+    configuration = Configuration(course, world.name, parse_goal(goal).metric, "metropolis_hastings:tied", settings, guess)
+    with Study.open(folder, configuration) as study:
+        if budget > 1 or goal != "unflown":
+            carry_out(study, Objective(course, world, configuration.metric), validation_flights=20)
+        return draw(folder, study, world, flights=4)
+
+
+def check(folder: Path, files) -> None:
+    assert [path.name for path in files] == [f"{name}.png" for name in NAMES]
+    assert all(path.read_bytes().startswith(SIGNATURES["png"]) for path in files)
+    assert not list(folder.glob("*.part"))
+
+
+@pytest.mark.parametrize(
+    ("world", "goal", "budget"),
+    [
+        (PlausibleWorld(), "completion=1", 20),
+        (PlausibleWorld(reach=20.0), "completion=1", 20),  # fails all the time
+        (PlausibleWorld(reach=40.0, crash=True), "none", 12),
+        (PlausibleWorld(reach=0.0, noise=0.0), "completion=1", 20),  # the first guess is the best
+        (PlausibleWorld(), "none", 1),  # one flight
+        (PlausibleWorld(), "mean_error<0.01", 12),
+        (PlausibleWorld(noise=1.5), "completion=1", 30),  # re-flights fail
+    ],
+)
+def test_any_study_can_be_drawn(tmp_path, world, goal, budget):
+    check(tmp_path, draw_study(tmp_path, world, goal=goal, budget=budget))
+
+
+def test_a_single_segment_can_be_drawn(tmp_path):
+    course = make_course()
+    course = replace(course, segments=Segments(np.zeros(1), (SegmentClass.STEEP,), course.reference.duration))
+    check(tmp_path, draw_study(tmp_path, course=course))
+
+
+def test_many_segments_can_be_drawn(tmp_path):
+    course = make_course()
+    kinds = tuple(SegmentClass) * 6
+    starts = np.arange(len(kinds)) * course.reference.duration / len(kinds)
+    course = replace(course, segments=Segments(starts, kinds, course.reference.duration))
+    check(tmp_path, draw_study(tmp_path, course=course))
+
+
+def test_the_rule_closest_can_be_drawn(tmp_path):
+    check(tmp_path, draw_study(tmp_path, course=make_course(JudgeSettings(rule=Rule.CLOSEST, fly_on=True))))
+
+
+def test_a_study_without_flights_can_be_drawn(tmp_path):
+    course = make_course()
+    configuration = Configuration(
+        course, "plausible", Metric.TIME, "metropolis_hastings:tied", TuningSettings(), course.space.first_guess(2)
+    )
+    with Study.open(tmp_path, configuration) as study:
+        check(tmp_path, draw(tmp_path, study, PlausibleWorld(), flights=1))
+
+
+class LostWorld(PlausibleWorld):
+    """Its flights end at once, nowhere, with a log of one row or none."""
+
+    def __init__(self, rows: int) -> None:
+        super().__init__(reach=40.0, crash=True)
+        self.rows = rows
+
+    def fly(self, *args, **kwargs):
+        flights = super().fly(*args, **kwargs)
+        nowhere, none = np.full_like(flights.end_position, np.nan), np.full_like(flights.clock_distance, np.nan)
+        logs = {i: Log(*(values[: self.rows] for values in vars(log).values())) for i, log in flights.logs.items()}
+        ends, zeros = np.full_like(flights.end, int(End.CRASHED)), np.zeros_like(flights.gates_passed)
+        return replace(flights, logs=logs, end=ends, gates_passed=zeros, end_position=nowhere, clock_distance=none, closest_time=none)
+
+
+@pytest.mark.parametrize("rows", [0, 1])
+def test_flights_that_leave_no_trace_can_be_drawn(tmp_path, rows):
+    check(tmp_path, draw_study(tmp_path, LostWorld(rows), goal="none", budget=4))
+
+
+def test_drawing_again_replaces_the_pictures(tmp_path):
+    first = [path.read_bytes() for path in draw_study(tmp_path)]
+    assert [path.read_bytes() for path in draw_study(tmp_path)] == first
+
+
+class WatchedWorld(PlausibleWorld):
+    """Remembers what it was asked for."""
+
+    def fly(self, course, parameters, seeds, *, truth=None, log=()):
+        self.asked = parameters, seeds, list(log)
+        return super().fly(course, parameters, seeds, truth=truth, log=log)
+
+
+def test_best_and_first_guess_meet_the_same_noise_of_the_demonstration():
+    course, world, seeds = make_course(), WatchedWorld(), flight_seeds(3, Stream.DEMONSTRATION, 0, 4)
+    first, best = course.space.first_guess(2), np.tile(OPTIMUM, (2, 1))
+    scene = demonstrate(course, world, first, best, seeds)
+    parameters, flown, log = world.asked
+    np.testing.assert_array_equal(flown, np.tile(seeds, 2))
+    np.testing.assert_array_equal(parameters, np.concatenate([[best] * 4, [first] * 4]))
+    assert log == [0, 4]
+    assert [flight.label for flight in scene.traces] == ["best", "first guess"]
+
+
+def test_a_first_guess_that_is_the_best_is_flown_once():
+    course, world = make_course(), WatchedWorld()
+    guess = course.space.first_guess(2)
+    scene = demonstrate(course, world, guess, guess.copy(), np.arange(4))
+    assert len(world.asked[1]) == 4
+    assert [flight.label for flight in scene.traces] == ["first guess"]
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_a_plan_is_drawn_in_the_format_of_its_suffix(tmp_path, suffix):
+    path = tmp_path / f"plan.{suffix}"
+    draw_plan(path, make_course())
+    assert path.read_bytes().startswith(SIGNATURES[suffix])
+    assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("name", ["plan.gif", "plan", "plan.toml", ".png"])
+def test_another_suffix_is_refused(tmp_path, name):
+    with pytest.raises(InputError, match=r"\.png, \.pdf, \.svg"):
+        draw_plan(tmp_path / name, make_course())
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_picture_that_cannot_be_written_is_an_input_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be written"):
+        draw_plan(tmp_path / "nowhere" / "plan.png", make_course())
+
+
+def test_a_plan_stands_on_end_or_on_a_point(tmp_path):
+    course = make_course()
+    for k, shape in enumerate(([0, 0, 1.0], [0, 0, 0.0], [0, 1.0, 0])):
+        position = course.reference.position[:, :1] * shape
+        draw_plan(tmp_path / f"{k}.png", replace(course, reference=replace(course.reference, position=position)))
+
+
+def test_settings_of_the_user_are_left_alone():
+    with mpl.rc_context({"axes.grid": True, "font.size": 30.0}):
+        before = mpl.rcParams.copy()
+        figures.track(stage(make_course()))
+        assert mpl.rcParams == before
+
+
+def test_settings_of_the_user_change_no_picture(tmp_path):
+    draw_plan(tmp_path / "plain.png", make_course())
+    with mpl.rc_context({"axes.grid": True, "font.size": 30.0, "lines.linewidth": 9, "savefig.dpi": 20, "savefig.bbox": "tight"}):
+        draw_plan(tmp_path / "odd.png", make_course())
+    assert (tmp_path / "plain.png").read_bytes() == (tmp_path / "odd.png").read_bytes()
+
+
+def test_no_figure_is_left_to_pyplot():
+    figures.track(stage(make_course()))
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    assert pyplot is None or not pyplot.get_fignums()
+
+
+def test_nothing_below_loads_matplotlib():
+    code = "import hotlap, hotlap.study, hotlap.planning, hotlap.segmentation, sys; sys.exit('matplotlib' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_styled_function_keeps_its_name():
+    @styled
+    def sketch() -> Figure:
+        return Figure()
+
+    assert sketch.__name__ == "sketch"
+
+
+def texts(figure: Figure) -> str:
+    figure.draw_without_rendering()
+    return " ".join(text.get_text() for text in figure.findobj(mpl.text.Text))
+
+
+def test_every_axis_has_its_unit():
+    course = make_course()
+    scene = demonstrate(course, PlausibleWorld(reach=20.0), course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), np.arange(4))
+    assert all(words in texts(figures.track(scene)) for words in ("x [m]", "y [m]", "z [m]", "m/s", "start", "first guess"))
+    error = texts(figures.tracking_error(scene))
+    assert all(words in error for words in ("time [s]", "distance [m]", "1.3 m", "flat", "ascent", "missed gate"))
+
+
+def test_parameters_show_values_and_bounds():
+    course = make_course()
+    change = compare(course.space, course.segments, course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), 0.5)
+    figure = figures.tuned_parameters(change, "straight")
+    assert all(words in texts(figure) for words in (*change.names, "80", "400", "4.5", "× 0.5 s", "flat", "ascent", "1500"))
+
+
+def test_marks_that_do_not_occur_are_not_explained(tmp_path):
+    course = make_course()
+    configuration = Configuration(
+        course, "plausible", Metric.TIME, "metropolis_hastings:tied", TuningSettings(), course.space.first_guess(2)
+    )
+    with Study.open(tmp_path, configuration) as study:
+        figure = figures.convergence(recount(study.flights(), parse_goal("none")), "straight")
+    assert "rejected" not in texts(figure)
+
+
+def test_a_figure_of_one_file_is_saved_whole(tmp_path):
+    figure = Figure()
+    assert save(tmp_path / "empty.PNG", figure) == tmp_path / "empty.PNG"
+
+
+def test_failures_are_shown_without_repeats_as_well():
+    course = make_course()
+    scene = demonstrate(course, PlausibleWorld(reach=20.0), course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), np.arange(4))
+    assert "failed flights" in texts(figures.track(scene))
+    assert "failed flights" in texts(figures.track(replace(scene, repeats=())))
+    assert "failed flights" not in texts(figures.track(replace(scene, repeats=(), traces=scene.traces[:1])))
+
+
+def test_an_error_above_the_chart_is_written():
+    course = make_course()
+    scene = demonstrate(course, PlausibleWorld(reach=60.0), course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), np.arange(1))
+    assert scene.traces[1].error[-1] > 2.3
+    assert f"at {scene.traces[1].error[-1]:.1f} m" in texts(figures.tracking_error(scene))
