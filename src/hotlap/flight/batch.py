@@ -119,6 +119,7 @@ def prepare(
     _check(course, parameters, seeds, truth, log)
     gates = gates_of(race.judge, race.track.gate_positions, reference.gate_times, race.track.floor)
     truths = truth_of(race.vehicle)[None] if truth is None else np.asarray(truth, dtype=np.float64)
+    vehicles = vehicle_numbers(truths, race.vehicle.layout)
     spaced = np.array(parameters, dtype=np.float64)
     spaced[..., 4] *= controller.horizon_unit / controller.nodes  # [s] between nodes
     delay_steps = np.rint(truths[:, 21] / PLANT_STEP).astype(np.int64)
@@ -135,7 +136,7 @@ def prepare(
         input_weights=np.array([thrust, rates, rates, lateral]),
         low=np.array([controller.thrust[0], *(-rate for rate in controller.rates)]),
         high=np.array([controller.thrust[1], *controller.rates]),
-        vehicles=vehicle_numbers(truths, race.vehicle.layout),
+        vehicles=vehicles,
         delay_periods=delay_steps // in_period,
         delay_steps=delay_steps % in_period,
         autopilot=autopilot_numbers(race.believed),

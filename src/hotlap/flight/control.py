@@ -13,7 +13,7 @@ from numba import njit
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.lanes import number
 from hotlap.flight.mpc import Mpc, propagate, solve
-from hotlap.flight.numbers import INLINE
+from hotlap.flight.numbers import INLINE, aligned_zeros
 from hotlap.flight.tracking import hover_inputs, plan_as_reference, read_reference, respace_plan
 
 FRESH = -1  # segment of a lane that has not been controlled yet
@@ -40,7 +40,7 @@ class Pilot(NamedTuple):
 def allocate_pilot(commands: int, lanes: int, kind: type[np.floating[Any]]) -> Pilot:
     """Raw memory, of one kind of float, for so many commands."""
     sizes = ((10,), (commands, 4), (1,), (1,), (10,))
-    return Pilot(*(np.zeros((*size, lanes), kind) for size in sizes))
+    return Pilot(*(aligned_zeros((*size, lanes), kind) for size in sizes))
 
 
 @njit(**INLINE)
@@ -58,7 +58,10 @@ def aim(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, k: int, flight: int, befo
     """Reference and weights of a lane's control step, and how its plan moves on.
 
     Args:
-        job, s, mpc, pilot: raw memory; the lane's is written.
+        job: whose reference and parameters.
+        s: settings.
+        mpc: raw memory, of which the lane's is written.
+        pilot: likewise.
         k: the lane.
         flight: whose parameters.
         before: segment of the step before, or FRESH.

@@ -127,8 +127,10 @@ def judge(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float,
         v: its row i is brought up to date.
         i: the flight.
         g: what is judged.
-        start, time: [s] of the period.
-        before, now: [m] (world) positions at its ends.
+        start: [s] of the period.
+        before: [m] (world) position there.
+        time: [s] of its end.
+        now: [m] (world) position there.
         reference: [m] (world) of the reference at its end.
         fastest_rate: [rad/s] largest body rate at its end.
     """

@@ -12,9 +12,10 @@ import numpy as np
 from numba import njit
 
 from hotlap import dynamics
+from hotlap.dynamics import NODE_JACOBIAN
 from hotlap.flight.compile import compiled, translate
 from hotlap.flight.lanes import every, number, select
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import COMPILE, aligned_zeros
 from hotlap.flight.program import Program, Tape, dot
 from hotlap.flight.riccati import GAIN_SIZE, P_SIZE, SCRATCH_SIZE, backward_stage, forward_stage, terminal_stage
 
@@ -87,29 +88,17 @@ class Mpc(NamedTuple):
 
 
 def allocate_mpc(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Mpc:
-    """Raw memory, of one kind of float."""
-    return Mpc(
-        np.zeros((nodes + 1, 10, lanes), kind),
-        np.zeros((nodes, 4, lanes), kind),
-        np.zeros((nodes + 1, 14, lanes), kind),
-        np.ones((4, lanes), kind),
-        np.ones((4, lanes), kind),
-        np.ones((1, lanes), kind),
-        np.zeros((4, lanes), kind),
-        np.zeros((4, lanes), kind),
-        np.zeros((1, lanes), kind),
-        np.zeros((nodes, 4, lanes), kind),
-        np.zeros((nodes + 1, 9, lanes), kind),
-        np.zeros((2, 9, lanes), kind),
-        np.zeros((nodes, 39, lanes), kind),
-        np.zeros((nodes, GAIN_SIZE, lanes), kind),
-        np.zeros((nodes, 4, lanes), kind),
-        np.zeros((2, P_SIZE, lanes), kind),
-        np.zeros((2, 9, lanes), kind),
-        np.zeros((SCRATCH_SIZE, lanes), kind),
-        np.zeros((1, lanes), kind),
-        np.zeros((1, lanes), kind),
-    )
+    """Raw memory, of one kind of float; what a lane without a flight computes with is 1."""
+    sizes = {
+        "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (4,), "input_weights": (4,), "spacing": (1,),
+        "low": (4,), "high": (4,), "gravity": (1,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9), "change": (2, 9),
+        "jacobian": (nodes, NODE_JACOBIAN), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE), "slope": (2, 9),
+        "scratch": (SCRATCH_SIZE,), "is_open": (1,), "cut": (1,),
+    }  # fmt: skip
+    memory = Mpc(**{name: aligned_zeros((*size, lanes), kind) for name, size in sizes.items()})
+    for array in (memory.weights, memory.input_weights, memory.spacing, memory.X[:, 3], memory.reference[:, 3]):
+        array.fill(1)
+    return memory
 
 
 @njit(**COMPILE)

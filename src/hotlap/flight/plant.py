@@ -12,7 +12,7 @@ from hotlap import dynamics
 from hotlap.errors import HotlapError
 from hotlap.flight.compile import compiled, translate
 from hotlap.flight.lanes import select
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import COMPILE, aligned_zeros
 from hotlap.quadrotor import Layout, Quadrotor, torque_matrix
 from hotlap.race import PLANT_STEP
 
@@ -103,20 +103,12 @@ DISTURBANCE_SIZE = sum(dynamics.DISTURBANCE.values())
 
 
 def allocate_craft(lanes: int, kind: type[np.floating[Any]]) -> Craft:
-    """Raw memory, of one kind of float."""
-    return Craft(
-        np.zeros((17, lanes), kind),
-        np.zeros((17, lanes), kind),
-        np.zeros((3, lanes), kind),
-        np.zeros((4, lanes), kind),
-        np.zeros((4, lanes), kind),
-        np.zeros((4, lanes), kind),
-        np.zeros((1, lanes), kind),
-        np.ones((VEHICLE_SIZE, lanes), kind),
-        np.ones((AUTOPILOT_SIZE, lanes), kind),
-        np.zeros((DISTURBANCE_SIZE, lanes), kind),
-        np.zeros((1, lanes), kind),
-    )
+    """Raw memory, of one kind of float; what a lane without a flight computes with is 1."""
+    sizes = (17, 17, 3, 4, 4, 4, 1, VEHICLE_SIZE, AUTOPILOT_SIZE, DISTURBANCE_SIZE, 1)
+    memory = Craft(*(aligned_zeros((size, lanes), kind) for size in sizes))
+    for array in (memory.state[3], memory.vehicle, memory.autopilot):
+        array.fill(1)
+    return memory
 
 
 @njit(**COMPILE)

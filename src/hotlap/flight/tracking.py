@@ -24,7 +24,7 @@ def read_reference(m: Mpc, lane: int, table: np.ndarray, period: float, time: fl
     last = len(table) - 2
     for n in range(len(m.reference)):
         place = (time + n * spacing) / period
-        row = min(int(place), last)
+        row = int(min(place, last))
         share = m.reference.dtype.type(min(place - row, 1.0))
         for i in range(14):
             m.reference[n, i, lane] = table[row, i] + share * (table[row + 1, i] - table[row, i])
@@ -57,14 +57,15 @@ def respace_plan(m: Mpc, lane: int, old: float, new: float, later: float) -> Non
     Args:
         m: raw memory, with the reference on the new nodes.
         lane: which one.
-        old, new: [s] spacings.
+        old: [s] spacing of the plan.
+        new: [s] spacing wanted.
         later: [s] by which the new plan begins later.
     """
     nodes = len(m.U)
     states, inputs = m.X[:, :, lane].copy(), m.U[:, :, lane].copy()
     for n in range(nodes + 1):
         place = (n * new + later) / old
-        row = int(place)
+        row = int(min(place, nodes))
         share = m.X.dtype.type(place - row)
         for i in range(10):
             if row < nodes:

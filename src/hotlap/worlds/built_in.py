@@ -18,14 +18,13 @@ if TYPE_CHECKING:
     from hotlap.flight.numbers import Numbers
 
 NAME = "built-in"
-DEFAULT_NUMBERS = "float32x8"
 
 
 class BuiltIn:
     """Flies in the flight core; its first flight on a machine compiles for half a minute.
 
     Args:
-        numbers: kind of number that flights are computed in, of `flight.numbers.Numbers`.
+        numbers: kind of number that flights are computed in, of `flight.numbers.Numbers`; "": the fastest here.
         threads: how many; 0 for one a processor.
 
     Attributes:
@@ -33,7 +32,7 @@ class BuiltIn:
         effort: what the last batch took.
     """
 
-    def __init__(self, numbers: str = DEFAULT_NUMBERS, threads: int = 0) -> None:
+    def __init__(self, numbers: str = "", threads: int = 0) -> None:
         self.name = NAME
         self.effort: Effort | None = None
         self._numbers, self._threads = numbers, threads
@@ -41,9 +40,9 @@ class BuiltIn:
     @cached_property
     def numbers(self) -> Numbers:
         """Kind of number that flights are computed in."""
-        from hotlap.flight.numbers import Numbers  # noqa: PLC0415  the flight core loads a compiler
+        from hotlap.flight.numbers import Numbers, best_numbers  # noqa: PLC0415  the flight core loads a compiler
 
-        return Numbers(self._numbers)
+        return Numbers(self._numbers) if self._numbers else best_numbers()
 
     @property
     def needs_compiling(self) -> bool:
@@ -68,7 +67,5 @@ class BuiltIn:
         """Fly a batch; see `World.fly`. The columns of `truth` are `flight.plant.TRUTH`."""
         from hotlap.flight.batch import fly_batch  # noqa: PLC0415
 
-        flights, self.effort = fly_batch(
-            course, parameters, seeds, numbers=self.numbers, threads=self._threads, truth=truth, log=log
-        )
+        flights, self.effort = fly_batch(course, parameters, seeds, numbers=self.numbers, threads=self._threads, truth=truth, log=log)
         return flights

@@ -1,0 +1,59 @@
+"""The main job on many races and seeds: python benchmarks/main_job.py [--seeds 3] [--budget 1000] [--tuner NAME] [RACE ...]
+
+For each: search flights, flights with re-flights, whether a controller was confirmed, its validated rate with interval, seconds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+
+from hotlap import tuners
+from hotlap.goal import Goal
+from hotlap.objective import Objective
+from hotlap.preparation import prepare
+from hotlap.tuning import Tuning, TuningSettings, tune
+from hotlap.validation import validate
+from hotlap.worlds.built_in import BuiltIn
+
+TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
+
+
+def run(world: BuiltIn, race: str, tuner: str, seed: int, budget: int) -> str:
+    """A row of the table."""
+    course, goal = prepare(race), Goal()
+    objective, start = Objective(course, world), time.perf_counter()
+    tuning = Tuning(tuners.build(tuner), course, TuningSettings(goal=goal, budget=budget, seed=seed))
+    for _ in tune(objective, tuning):
+        pass
+    best = tuning.best
+    if best is None:
+        return ""
+    validation, _ = validate(objective, goal, best.parameters, seed)
+    low, high = validation.interval
+    confirmed = "yes" if best.confirmed else "no"
+    rate = f"{100 * validation.rate:.0f} [{100 * low:.0f}, {100 * high:.0f}]"
+    seconds = time.perf_counter() - start
+    return f"| {race} | {seed} | {tuning.search_flights} | {tuning.flights} | {confirmed} | {rate} | {seconds:.1f} |"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("races", nargs="*", default=TABLE_I)
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--budget", type=int, default=1000)
+    parser.add_argument("--tuner", default=tuners.DEFAULT)
+    arguments = parser.parse_args()
+    world = BuiltIn()
+    world.fly(course := prepare("circle-34"), course.space.first_guess(len(course.segments))[None], np.zeros(1, dtype=np.int64))
+    print("| race | seed | search flights | flights | confirmed | validated % | s |\n|---|---|---|---|---|---|---|")
+    for race in arguments.races:
+        for seed in range(arguments.seeds):
+            print(run(world, race, arguments.tuner, seed, arguments.budget), flush=True)
+
+
+if __name__ == "__main__":
+    main()
