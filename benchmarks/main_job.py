@@ -1,4 +1,4 @@
-"""The main job on many races and seeds: python benchmarks/main_job.py [--seeds 3] [--budget 1000] [--tuner NAME] [RACE ...]
+"""The main job on many races and seeds: python benchmarks/main_job.py --help
 
 For each: search flights, flights with re-flights, whether a controller was confirmed, its validated rate with interval, seconds.
 """
@@ -15,28 +15,28 @@ from hotlap.goal import Goal
 from hotlap.objective import Objective
 from hotlap.preparation import prepare
 from hotlap.tuning import Tuning, TuningSettings, tune
-from hotlap.validation import validate
+from hotlap.validation import RELIABILITY
 from hotlap.worlds.built_in import BuiltIn
 
 TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
 
 
-def run(world: BuiltIn, race: str, tuner: str, seed: int, budget: int) -> str:
+def run(world: BuiltIn, race: str, tuner: str, seed: int, budget: int, reliability: float) -> str:
     """A row of the table."""
     course, goal = prepare(race), Goal()
     objective, start = Objective(course, world), time.perf_counter()
-    tuning = Tuning(tuners.build(tuner), course, TuningSettings(goal=goal, budget=budget, seed=seed))
+    tuning = Tuning(tuners.build(tuner), course, TuningSettings(goal=goal, budget=budget, seed=seed, reliability=reliability))
     for _ in tune(objective, tuning):
         pass
-    best = tuning.best
-    if best is None:
+    best, validation = tuning.best, tuning.validation
+    if best is None or validation is None:
         return ""
-    validation, _ = validate(objective, goal, best.parameters, seed)
     low, high = validation.interval
     confirmed = "yes" if best.confirmed else "no"
     rate = f"{100 * validation.rate:.0f} [{100 * low:.0f}, {100 * high:.0f}]"
     seconds = time.perf_counter() - start
-    return f"| {race} | {seed} | {tuning.search_flights} | {tuning.flights} | {confirmed} | {rate} | {seconds:.1f} |"
+    validations = tuning.validation_flights // validation.flights
+    return f"| {race} | {seed} | {tuning.search_flights} | {tuning.flights} | {confirmed} | {rate} | {validations} | {seconds:.1f} |"
 
 
 def main() -> None:
@@ -45,14 +45,15 @@ def main() -> None:
     parser.add_argument("races", nargs="*", default=TABLE_I)
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--budget", type=int, default=1000)
+    parser.add_argument("--reliability", type=float, default=RELIABILITY)
     parser.add_argument("--tuner", default=tuners.DEFAULT)
     arguments = parser.parse_args()
     world = BuiltIn()
     world.fly(course := prepare("circle-34"), course.space.first_guess(len(course.segments))[None], np.zeros(1, dtype=np.int64))
-    print("| race | seed | search flights | flights | confirmed | validated % | s |\n|---|---|---|---|---|---|---|")
+    print("| race | seed | search flights | flights | confirmed | validated % | validations | s |\n|---|---|---|---|---|---|---|---|")
     for race in arguments.races:
         for seed in range(arguments.seeds):
-            print(run(world, race, arguments.tuner, seed, arguments.budget), flush=True)
+            print(run(world, race, arguments.tuner, seed, arguments.budget, arguments.reliability), flush=True)
 
 
 if __name__ == "__main__":

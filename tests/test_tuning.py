@@ -19,6 +19,7 @@ from hotlap.records import Scores
 from hotlap.seeds import Stream, flight_seeds
 from hotlap.tuners import Tuner
 from hotlap.tuning import Batch, Tuning, TuningSettings, tune, tune_together
+from hotlap.validation import Validation
 
 COURSE = make_course()
 EVERY = pytest.mark.parametrize("name", tuners.names())
@@ -69,7 +70,7 @@ def points(count: int) -> np.ndarray:
 
 
 def run(tuner: Tuner, objective: Objective | None = None, **settings) -> tuple[Tuning, list[Batch]]:
-    tuning = Tuning(tuner, COURSE, TuningSettings(**settings))
+    tuning = Tuning(tuner, COURSE, TuningSettings(**{"validation": 0, **settings}))
     return tuning, list(tune(objective or Objective(COURSE, FakeWorld()), tuning))
 
 
@@ -128,6 +129,62 @@ def test_without_confirmations_the_first_success_is_believed():
     assert (tuning.flights, tuning.best is not None and tuning.best.confirmed) == (2, True)
 
 
+def test_a_confirmed_candidate_is_validated_with_noise_of_its_own_outside_the_budget():
+    objective = ScriptedObjective(0.2, *(1.0,) * 5, *(1.0, 1.0, 1.0, 1.0, 0.5))
+    tuning, batches = run(Listener(points(9)), objective, batch=1, budget=6, validation=5)
+    assert objective.completions == []
+    assert (tuning.flights, tuning.validation_flights, tuning.done) == (6, 5, True)
+    assert tuning.validation == batches[-1].validation == Validation(5, 4)
+    validated = batches[-1].ledger.of(Stream.VALIDATION)
+    np.testing.assert_array_equal(validated.seeds, flight_seeds(0, Stream.VALIDATION, 0, 5))
+    np.testing.assert_array_equal(validated.parameters, points(9)[[1] * 5])
+
+
+def test_a_candidate_that_does_not_hold_is_told_with_all_its_flights_and_the_search_goes_on():
+    tuner = Listener(points(9))
+    objective = ScriptedObjective(*(1.0,) * 5, *(1.0, 0.6, 0.2, 1.0), 0.3, *(1.0,) * 5, *(1.0,) * 4)
+    tuning, batches = run(tuner, objective, batch=1, validation=4, reliability=0.75)
+    assert objective.completions == []
+    assert [batch.fallen for batch in batches] == [(Validation(4, 2),), (), ()]
+    assert tuner.told[0].cost.tolist() == [pytest.approx(120 / 9)]
+    assert tuner.told[0].completion.tolist() == [0.2]
+    assert (tuning.flights, tuning.search_flights, tuning.validation_flights) == (11, 3, 8)
+    np.testing.assert_array_equal(batches[-1].best.parameters, points(9)[2])
+    ledger = ledger_of(batches).of(Stream.VALIDATION)
+    assert ledger.numbers.tolist() == list(range(8))
+    assert len(np.unique(ledger.seeds)) == 8
+
+
+def test_without_reliability_any_confirmed_candidate_is_taken():
+    tuning, _ = run(Listener(points(9)), ScriptedObjective(*(1.0,) * 5, *(0.0,) * 3), batch=1, validation=3, reliability=0.0)
+    assert (tuning.done, tuning.validation) == (True, Validation(3, 0))
+    assert tuning.best is not None
+    assert tuning.best.confirmed
+
+
+def test_when_the_budget_is_spent_the_best_is_validated_though_it_was_not_confirmed():
+    tuning, batches = run(Listener(points(9)), ScriptedObjective(0.2, 0.6, 0.4, *(1.0, 0.6)), batch=1, budget=3, validation=2)
+    assert [batch.validation for batch in batches] == [None, None, None, Validation(2, 1)]
+    assert [batch.done for batch in batches] == [False, False, False, True]
+    np.testing.assert_array_equal(batches[-1].ledger.parameters, points(9)[[1, 1]])
+    assert not batches[-1].best.confirmed
+    assert tuning.flights == 3
+
+
+def test_successes_of_a_validation_are_the_flights_that_meet_the_goal():
+    guess = np.tile(OPTIMUM, (2, 1))
+    for goal, count in (
+        ("completion=1", lambda ledger: ledger.completion == 1),
+        ("mean_error<0.5", lambda ledger: ledger.mean_error < 0.5),
+    ):
+        asked = TuningSettings(goal=parse_goal(goal), budget=1, validation=300)
+        tuning = Tuning(tuners.build("metropolis_hastings"), COURSE, asked, guess)
+        *_, last = tune(Objective(COURSE, FakeWorld(noise=0.9)), tuning)
+        successes = int((count(last.ledger) & (last.ledger.completion == 1)).sum())
+        assert 0 < successes < 300
+        assert last.validation == Validation(300, successes)
+
+
 def test_without_a_goal_the_budget_is_spent_and_nothing_flown_twice():
     tuning, batches = run(Listener(points(9)), ScriptedObjective(*(1.0,) * 7), goal=Goal(Quantity.NONE), batch=1, budget=7)
     assert (tuning.flights, tuning.search_flights) == (7, 7)
@@ -171,7 +228,7 @@ def test_same_seed_same_run_and_another_seed_another(name):
 
 @EVERY
 def test_stopped_after_any_batch_and_resumed_equals_never_stopped(name):
-    settings = TuningSettings(seed=1, budget=60, batch=3)
+    settings = TuningSettings(seed=1, budget=60, batch=3, validation=20, reliability=0.999)
     whole = list(tune(Objective(COURSE, FakeWorld()), Tuning(tuners.build(name), COURSE, settings)))
     for stop in range(1, len(whole), 5):
         state = json.loads(json.dumps(whole[stop - 1].state, allow_nan=False))
@@ -185,14 +242,14 @@ def test_stopped_after_any_batch_and_resumed_equals_never_stopped(name):
 def test_a_run_that_has_ended_flies_no_more_after_a_restore():
     tuning, batches = run(tuners.build("metropolis_hastings"), seed=1)
     assert tuning.done
-    again = Tuning(tuners.build("metropolis_hastings"), COURSE, TuningSettings(seed=1), state=batches[-1].state)
+    again = Tuning(tuners.build("metropolis_hastings"), COURSE, TuningSettings(seed=1, validation=0), state=batches[-1].state)
     assert again.done
     assert list(tune(Objective(COURSE, FakeWorld()), again)) == []
 
 
 def test_runs_in_lockstep_go_as_they_would_alone_and_share_their_batches():
     names = [*tuners.names(), *tuners.names()]
-    together = [Tuning(tuners.build(name), COURSE, TuningSettings(seed=seed, budget=50)) for seed, name in enumerate(names)]
+    together = [Tuning(tuners.build(name), COURSE, TuningSettings(seed=seed, budget=50, validation=0)) for seed, name in enumerate(names)]
     world = FakeWorld()
     batches: list[list[Batch]] = [[] for _ in names]
     for i, batch in tune_together(Objective(COURSE, world), together):
@@ -222,6 +279,7 @@ def test_first_guess_is_flown_first():
     batch = next(tune(Objective(COURSE, FakeWorld()), tuning))
     np.testing.assert_array_equal(batch.ledger.parameters[0], guess)
     assert batch.best.confirmed
+    assert batch.validation is not None
 
 
 def test_an_error_goal_is_reached_and_meant():
@@ -233,7 +291,19 @@ def test_an_error_goal_is_reached_and_meant():
     assert tuning.best.cost < 0.6
 
 
-@pytest.mark.parametrize(("name", "value"), [("budget", 0), ("seed", -1), ("seed", 2**31), ("confirmations", -1), ("batch", 0)])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("budget", 0),
+        ("seed", -1),
+        ("seed", 2**31),
+        ("confirmations", -1),
+        ("batch", 0),
+        ("validation", -1),
+        ("reliability", 1.1),
+        ("reliability", np.nan),
+    ],
+)
 def test_settings_out_of_range_are_refused_with_the_option(name, value):
     with pytest.raises(InputError, match=f"^--{name}: must be from"):
         TuningSettings(**{name: value})

@@ -33,7 +33,7 @@ class Configuration:
         world: name of the world.
         metric: what the cost measures.
         tuner: name with preset.
-        settings: goal, budget, seed, confirmations, batch.
+        settings: goal, budget, seed and the like.
         first_guess: shape (S, K).
     """
 
@@ -70,7 +70,7 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
     """The inverse of `Configuration.dump`, given the reference."""
     segments = plain["segments"]
     classes = tuple(SegmentClass(name) for name in segments["classes"])
-    numbers = {name: plain[name] for name in ("budget", "seed", "confirmations", "batch")}
+    numbers = {field.name: plain[field.name] for field in fields(TuningSettings) if field.name != "goal"}
     return Configuration(
         course=Course(Race.model_validate(plain["race"]), reference, Segments(np.array(segments["starts"]), classes, segments["duration"])),
         world=plain["world"],

@@ -12,6 +12,8 @@ from typing import Any
 
 import casadi as ca
 
+from hotlap.dynamics_layout import AUTOPILOT, DISTURBANCE, PLANNING_PARAMETERS, VEHICLE
+
 Expression = Any  # casadi.SX; CasADi ships no types
 
 
@@ -55,9 +57,6 @@ def point_mass() -> ca.Function:
     return ca.Function("point_mass", [state, thrust, parameters], [ca.vertcat(velocity, acceleration)])
 
 
-PLANNING_PARAMETERS = 18  # mass, gravity, isotropic drag, inertia (3), torque matrix (3 x 4, row by row)
-
-
 def planning_model() -> ca.Function:
     """(state p v q w, rotor thrusts, parameters) -> state': rigid body with linear drag, as in rpg_time_optimal."""
     state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", 4), ca.SX.sym("c", PLANNING_PARAMETERS)
@@ -70,7 +69,7 @@ def planning_model() -> ca.Function:
 
 
 E3 = ca.DM([0, 0, 1])
-SERIES_ORDER = 3  # of the entire functions below: good to 1e-6 at a rotation of 2.5 rad a node
+SERIES_ORDER = 3  # of the entire functions below: good to 1e-6 at a rotation of 1 rad a node, to 3e-4 at 2 rad
 
 
 def power_series(s: Expression, first: float, ratio: Callable[[int], float], order: int = SERIES_ORDER) -> Expression:
@@ -133,9 +132,6 @@ def node_map() -> ca.Function:
     return ca.Function("node_map", [x, u, h, gravity], [_node(x, u, h, gravity)], {"cse": True})
 
 
-NODE_JACOBIAN = 39  # numbers that linearise a node
-
-
 def node_jacobian(x: Expression, u: Expression, h: Expression) -> Expression:
     """The Jacobian of `node_map` in tangent coordinates (p, theta, v), of which only what is neither 0 nor 1 is kept.
 
@@ -176,29 +172,6 @@ def linearised_node_map() -> ca.Function:
     )
     inputs = [x, u, following, deviation, h, low, high, gravity]
     return ca.Function("linearised_node_map", inputs, [bounded, reached, jacobian], {"cse": True})
-
-
-VEHICLE: Mapping[str, int] = {
-    "mass": 1,
-    "inertia": 3,
-    "torques": 12,
-    "rotor_thrust": 2,
-    "motor_shares": 2,
-    "drag": 3,
-    "rotor_drag": 1,
-    "body_drag": 3,
-    "gravity": 1,
-    "rate_gain": 3,
-    "torque_damping": 1,
-}
-"""Physical parameters of the plant and how many numbers each takes: those of `Quadrotor`; torque matrix row by row; motor shares are
-1 - exp(-step / motor_time), up and down."""
-
-AUTOPILOT: Mapping[str, int] = {"mass": 1, "inertia": 3, "mixer": 16}
-"""What the rate loop believes; the mixer, row by row, takes (collective thrust, torques) to rotor thrusts."""
-
-DISTURBANCE: Mapping[str, int] = {"thrust_factor": 1, "wind": 3}
-"""What differs from flight to flight: a factor of the thrust, and an acceleration [m/s^2] (world)."""
 
 
 def _split(symbol: Expression, sizes: Mapping[str, int]) -> dict[str, Expression]:

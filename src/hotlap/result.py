@@ -23,7 +23,8 @@ class Result:
         search_flights: without re-flights, up to the confirmed candidate.
         best: the parameters found, with the means over the flights that found and confirmed them.
         validation: of these parameters; None if none was asked for.
-        wall_time: [s] of all turns and the validation, over all processes that worked on the study.
+        validation_flights: of all validations, also of candidates that did not hold.
+        wall_time: [s] of all turns, over all processes that worked on the study.
     """
 
     race: str
@@ -34,6 +35,7 @@ class Result:
     search_flights: int
     best: Candidate
     validation: Validation | None
+    validation_flights: int
     wall_time: float
 
     def dump(self) -> dict[str, Any]:
@@ -48,6 +50,7 @@ class Result:
             "completion": self.best.completion,
             "confirmed": self.best.confirmed,
             "validation": None if self.validation is None else _dump_validation(self.validation),
+            "validation_flights": self.validation_flights,
             "lap_time": _finite(self.best.lap_time),
             "cost": _finite(self.best.cost),
             "wall_time": self.wall_time,

@@ -28,7 +28,6 @@ from hotlap.objective import Objective
 from hotlap.result import Result
 from hotlap.seeds import Stream
 from hotlap.tuning import Batch, Tuning, tune
-from hotlap.validation import FLIGHTS, Validation, validate
 
 RUNS = Path("runs")
 
@@ -109,12 +108,6 @@ class Study:
         return Tuning(tuners.build(asked.tuner), asked.course, asked.settings, asked.first_guess, restored)
 
     @property
-    def validation(self) -> Validation | None:
-        """Of the best parameters; None before the run has ended."""
-        plain = self._entry("validation")
-        return None if plain is None else Validation(**json.loads(plain))
-
-    @property
     def wall_time(self) -> float:
         """[s] that processes have spent on it, up to the last thing recorded."""
         return float(self._entry("wall_time") or 0.0)
@@ -133,7 +126,8 @@ class Study:
             flights=tuning.flights,
             search_flights=tuning.search_flights,
             best=tuning.best,
-            validation=self.validation,
+            validation=tuning.validation,
+            validation_flights=tuning.validation_flights,
             wall_time=self.wall_time,
         )
 
@@ -169,20 +163,8 @@ class Study:
             StudyError: there is no room; what was recorded before is kept.
         """
         with self._transaction():
-            self._database.execute("DELETE FROM flight WHERE stream = 'VALIDATION'")  # of a run that now goes on
-            self._database.execute("DELETE FROM entry WHERE key = 'validation'")
             self._insert(batch.ledger)
             self._enter("state", json.dumps(batch.state, allow_nan=False))
-
-    def record_validation(self, validation: Validation, ledger: Ledger) -> None:
-        """Keep the validation of the best parameters, and its flights.
-
-        Raises:
-            StudyError: there is no room; what was recorded before is kept.
-        """
-        with self._transaction():
-            self._insert(ledger)
-            self._enter("validation", json.dumps(vars(validation)))
 
     def _create(self, configuration: Configuration) -> None:
         """Everything but flights, in one transaction."""
@@ -265,23 +247,17 @@ class Study:
             raise
 
 
-def carry_out(
-    study: Study, objective: Objective, watch: Callable[[Batch], None] = lambda _: None, validation_flights: int = FLIGHTS
-) -> Result:
-    """Run a study to its end from wherever it stands: tune, record every batch, validate; a finished one flies nothing.
+def carry_out(study: Study, objective: Objective, watch: Callable[[Batch], None] = lambda _: None) -> Result:
+    """Run a study to its end from wherever it stands, and record every batch; a finished one flies nothing.
 
     Args:
         study: open to work on.
         objective: what flies; its course and metric are the study's.
         watch: called after each batch, for progress.
-        validation_flights: of the best parameters; 0 for none.
     """
-    tuning, settings = study.tuning, study.configuration.settings
-    for batch in tune(objective, tuning):
+    for batch in tune(objective, study.tuning):
         study.record(batch)
         watch(batch)
-    if study.validation is None and validation_flights and tuning.best is not None:
-        study.record_validation(*validate(objective, settings.goal, tuning.best.parameters, settings.seed, validation_flights))
     result = study.result
     assert result is not None, "a run that has ended has flown"  # noqa: S101  our own mistake
     return result

@@ -1,9 +1,13 @@
-"""Tuning: ask, fly, confirm, tell, until the goal is confirmed or the budget spent; knows no file."""
+"""Tuning: ask, fly, confirm, validate, tell, until a result holds or the budget is spent; knows no file.
+
+The paper confirms a candidate by four more flights (Sec. IV-A). Four of four is a lottery: with many candidates, one that completes
+two flights of three wins it soon. So a confirmed candidate is flown 200 times more, and the search goes on if it does not hold.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +22,7 @@ from hotlap.parameters import Parameters
 from hotlap.records import Scores
 from hotlap.seeds import FLIGHTS_A_STREAM, LARGEST_RUN_SEED, Stream, flight_seeds
 from hotlap.tuners.tuner import Tuner
+from hotlap.validation import FLIGHTS, RELIABILITY, Validation
 
 CONFIRMATIONS = 4  # "flown four times more", Sec. IV-A
 
@@ -31,6 +36,8 @@ class TuningSettings:
         budget: flights, re-flights included.
         seed: of the tuner's chance and of the flights' noise.
         confirmations: fresh re-flights that a candidate must pass.
+        validation: flights with fresh noise of a confirmed candidate, not counted in the budget; 0 for none.
+        reliability: least share of them that must meet the goal, or the search goes on; 0 takes any candidate that is confirmed.
         batch: most flights that a tuner is asked for at once.
     """
 
@@ -38,6 +45,8 @@ class TuningSettings:
     budget: int = 200
     seed: int = 0
     confirmations: int = CONFIRMATIONS
+    validation: int = FLIGHTS
+    reliability: float = RELIABILITY
     batch: int = 8
 
     def __post_init__(self) -> None:
@@ -45,6 +54,8 @@ class TuningSettings:
             ("budget", 1, FLIGHTS_A_STREAM),
             ("seed", 0, LARGEST_RUN_SEED),
             ("confirmations", 0, 1000),
+            ("validation", 0, FLIGHTS_A_STREAM // 100),
+            ("reliability", 0, 1),
             ("batch", 1, 10_000),
         ):
             value = getattr(self, name)
@@ -75,7 +86,7 @@ class Candidate:
         completion: mean over its flights.
         lap_time: [s] mean over its complete flights; NaN without any.
         flights: how many, re-flights included.
-        confirmed: whether it met the goal in all re-flights.
+        confirmed: whether it met the goal in all re-flights, and held where that was asked for.
     """
 
     parameters: Parameters
@@ -98,6 +109,8 @@ class Batch:
     Attributes:
         ledger: what was flown in it.
         best: the best candidate of the run so far.
+        validation: of the best candidate; None before it was flown.
+        fallen: validations of candidates that were confirmed in this turn and did not hold.
         flights: of the run so far, re-flights included.
         search_flights: of the run so far without re-flights, up to the confirmed candidate: the paper's count.
         done: whether the run has ended.
@@ -106,6 +119,8 @@ class Batch:
 
     ledger: Ledger
     best: Candidate
+    validation: Validation | None
+    fallen: tuple[Validation, ...]
     flights: int
     search_flights: int
     done: bool
@@ -124,7 +139,8 @@ class Tuning:
 
     Attributes:
         best: the best candidate so far, None before the first flight.
-        flights: flown so far, re-flights included.
+        validation: of the best candidate, None before it was flown.
+        flights: flown so far, re-flights included, validations not.
         search_flights: without re-flights, up to the confirmed candidate.
     """
 
@@ -139,47 +155,83 @@ class Tuning:
         guess = course.space.first_guess(len(course.segments)) if first_guess is None else first_guess
         self.tuner, self.settings = tuner, settings
         self.best: Candidate | None = None
+        self.validation: Validation | None = None
         self.search_flights = 0
-        self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0}
+        self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0, Stream.VALIDATION: 0}
         tuner.start(guess, course.space, np.random.default_rng(settings.seed))
         if state is not None:
             self._restore(state)
 
     @property
     def flights(self) -> int:
-        """Flown so far, re-flights included."""
-        return sum(self._flown.values())
+        """Flown so far, re-flights included, validations not."""
+        return self._flown[Stream.SEARCH] + self._flown[Stream.CONFIRMATION]
+
+    @property
+    def validation_flights(self) -> int:
+        """Flown so far to validate: the result, and candidates that did not hold."""
+        return self._flown[Stream.VALIDATION]
 
     @property
     def done(self) -> bool:
+        """Whether the search is over and its result validated."""
+        return self._searched and (self.validation is not None or not self.settings.validation)
+
+    @property
+    def _searched(self) -> bool:
         """Whether a candidate is confirmed or the budget spent."""
-        return self.flights >= self.settings.budget or (self.best is not None and self.best.confirmed)
+        return self.best is not None and (self.best.confirmed or self.flights >= self.settings.budget)
 
     def batch(self) -> Generator[Request, Scores, Batch]:
         """One turn: yields what it wants flown, is sent the scores, returns what came of it.
 
         Flights that meet the goal are flown again one by one, in order, until one fails; the tuner is told the mean cost over all
-        flights of a candidate, and otherwise the flight that failed.
+        flights of a candidate, and otherwise the flight that failed. When the budget is spent, the last turn validates the best.
         """
+        if self._searched and self.best is not None:
+            self.validation, ledger, _ = yield from self._validate(self.best.parameters)
+            return self._report(ledger, ())
         parameters = self.tuner.ask(min(self.settings.batch, self.settings.budget - self.flights))
         ledger, scores = yield from self._fly(Stream.SEARCH, parameters)
         ledgers, flown = [ledger], [scores.rows(slice(i, i + 1)) for i in range(len(scores))]
-        before, confirmed = self.search_flights, None
+        before, confirmed, validation, fallen = self.search_flights, None, None, []
         self.search_flights += len(scores)
         for i in np.flatnonzero(self.settings.goal.met(scores)).tolist():
             flown[i], again = yield from self._confirm(parameters[i], flown[i])
             ledgers += again
-            if self._confirmed(flown[i]):
-                confirmed, self.search_flights = i, before + i + 1
-                break
-        ledgers[0] = ledger.accept(self.tuner.tell(parameters, Scores.join([_told(scores) for scores in flown])))
-        candidates = [_candidate(parameters[i], scores, confirmed == i) for i, scores in enumerate(flown)]
-        self.best = max([*([] if self.best is None else [self.best]), *candidates], key=lambda candidate: candidate.rank)
-        return Batch(Ledger.join(ledgers), self.best, self.flights, self.search_flights, self.done, self._state())
+            if not self._confirmed(flown[i]):
+                continue
+            if self.settings.validation:
+                validation, ledger, repeats = yield from self._validate(parameters[i])
+                ledgers.append(ledger)
+                if validation.rate < self.settings.reliability:
+                    flown[i] = Scores.join([flown[i], repeats])
+                    fallen.append(validation)
+                    continue
+            confirmed, self.search_flights = i, before + i + 1
+            break
+        told = Scores.join([_told(scores, self.settings.goal) for scores in flown])
+        ledgers[0] = ledgers[0].accept(self.tuner.tell(parameters, told))
+        self._choose([_candidate(parameters[i], scores, confirmed == i) for i, scores in enumerate(flown)], validation)
+        return self._report(Ledger.join(ledgers), tuple(fallen))
+
+    def _choose(self, candidates: Sequence[Candidate], validation: Validation | None) -> None:
+        """Keep the best candidate, with its validation if it has been confirmed."""
+        known = [] if self.best is None else [self.best]
+        best = max(known + list(candidates), key=lambda candidate: candidate.rank)
+        if best is not self.best:
+            self.best, self.validation = best, validation if best.confirmed else None
+
+    def _report(self, ledger: Ledger, fallen: tuple[Validation, ...]) -> Batch:
+        """What came of a turn."""
+        assert self.best is not None, "a turn has flown"  # noqa: S101  our own mistake
+        counts = self.flights, self.search_flights
+        return Batch(ledger, self.best, self.validation, fallen, *counts, self.done, self._state())
 
     def _fly(self, stream: Stream, parameters: Parameters) -> Generator[Request, Scores, tuple[Ledger, Scores]]:
         """Fly with the next seeds of a stream."""
-        number, count = self.flights, len(parameters)
+        count = len(parameters)
+        number = self.validation_flights if stream is Stream.VALIDATION else self.flights
         seeds = flight_seeds(self.settings.seed, stream, self._flown[stream], count)
         scores = yield Request(parameters, seeds)
         self._flown[stream] += count
@@ -194,6 +246,12 @@ class Tuning:
             flown = Scores.join([flown, scores])
         return flown, ledgers
 
+    def _validate(self, parameters: Parameters) -> Generator[Request, Scores, tuple[Validation, Ledger, Scores]]:
+        """Fly a candidate, shape (S, K), with noise that the search never met."""
+        repeated = np.repeat(parameters[None], self.settings.validation, axis=0)
+        ledger, scores = yield from self._fly(Stream.VALIDATION, repeated)
+        return Validation(len(scores), int(self.settings.goal.succeeded(scores).sum())), ledger, scores
+
     def _confirmed(self, flown: Scores) -> bool:
         """Whether a candidate's flight and all its re-flights met the goal."""
         return len(flown) == 1 + self.settings.confirmations and bool(self.settings.goal.met(flown).all())
@@ -202,13 +260,16 @@ class Tuning:
         """Counts, the best candidate and the tuner, as plain JSON."""
         best = None if self.best is None else _write_candidate(self.best)
         flown = {stream.name: count for stream, count in self._flown.items()}
-        return {"flown": flown, "search_flights": self.search_flights, "best": best, "tuner": self.tuner.state()}
+        validation = None if self.validation is None else asdict(self.validation)
+        counts = {"flown": flown, "search_flights": self.search_flights}
+        return {**counts, "best": best, "validation": validation, "tuner": self.tuner.state()}
 
     def _restore(self, state: dict[str, Any]) -> None:
         """The inverse of `_state`."""
         self._flown = {Stream[name]: count for name, count in state["flown"].items()}
         self.search_flights = state["search_flights"]
         self.best = None if state["best"] is None else _read_candidate(state["best"])
+        self.validation = None if state["validation"] is None else Validation(**state["validation"])
         self.tuner.restore(state["tuner"])
 
 
@@ -257,9 +318,11 @@ def _begin(tuning: Tuning) -> tuple[Generator[Request, Scores, Batch], Request]:
     return turn, next(turn)
 
 
-def _told(flown: Scores) -> Scores:
-    """What the tuner hears of a candidate: its last flight, which is the one that failed, with the mean cost of all of them."""
-    return replace(flown.rows(slice(-1, None)), cost=np.mean(flown.cost, keepdims=True))
+def _told(flown: Scores, goal: Goal) -> Scores:
+    """What the tuner hears of a candidate: the last flight that failed, or else the last, with the mean cost of all of them."""
+    failed = np.flatnonzero(~goal.met(flown))
+    heard = int(failed[-1]) if len(failed) else len(flown) - 1
+    return replace(flown.rows(slice(heard, heard + 1)), cost=np.mean(flown.cost, keepdims=True))
 
 
 def _candidate(parameters: Parameters, flown: Scores, confirmed: bool) -> Candidate:

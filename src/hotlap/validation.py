@@ -5,15 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
-from hotlap.goal import Goal
-from hotlap.ledger import Ledger, enter
-from hotlap.objective import Objective
-from hotlap.parameters import Parameters
-from hotlap.seeds import Stream, flight_seeds
-
 FLIGHTS = 200
+RELIABILITY = 0.8  # least rate of a result that holds
 Z_95 = 1.959963984540054  # the normal quantile of a two-sided 95 % interval
 
 
@@ -38,23 +31,6 @@ class Validation:
     def interval(self) -> tuple[float, float]:
         """Wilson's 95 % interval of the rate."""
         return wilson_interval(self.successes, self.flights)
-
-
-def validate(objective: Objective, goal: Goal, parameters: Parameters, seed: int, flights: int = FLIGHTS) -> tuple[Validation, Ledger]:
-    """Fly the same parameters many times more.
-
-    Args:
-        objective: what flies.
-        goal: what counts as a success; without a goal, a complete flight.
-        parameters: shape (S, K).
-        seed: the run's; validation has a stream of noise of its own.
-        flights: how many, at least 1.
-    """
-    seeds = flight_seeds(seed, Stream.VALIDATION, 0, flights)
-    repeated = np.repeat(parameters[None], flights, axis=0)
-    scores = objective.fly(repeated, seeds)
-    successes = int(goal.succeeded(scores).sum())
-    return Validation(flights, successes), enter(0, Stream.VALIDATION, repeated, seeds, scores)
 
 
 def wilson_interval(successes: int, flights: int, z: float = Z_95) -> tuple[float, float]:

@@ -10,6 +10,7 @@ import pytest
 from hotlap.cli.output import finite, percent, table
 from hotlap.cli.progress import Lines, Rate, describe
 from hotlap.tuning import Candidate
+from hotlap.validation import Validation
 
 
 def candidate(**changes) -> Candidate:
@@ -27,13 +28,14 @@ class Clock:
 
 def test_logs_get_a_line_every_few_seconds_and_one_at_the_end(capsys):
     clock = Clock()
-    lines = Lines(200, 40, 100, clock)
+    lines = Lines(200, 40, clock)
     for flights in range(41, 61):
         clock.now += 1.0
-        lines(SimpleNamespace(flights=flights, best=candidate(), done=flights == 60))  # pyright: ignore[reportArgumentType]
+        lines(SimpleNamespace(flights=flights, best=candidate(), fallen=(Validation(200, 100),) * (flights == 52), done=flights == 60))  # pyright: ignore[reportArgumentType]
     said = capsys.readouterr().err.splitlines()
     assert said[0] == "45 of 200 flights, best so far: completion 50 %, cost 3.14, 1 flights/s"
-    assert [line.partition(" ")[0] for line in said] == ["45", "50", "55", "60", "validating:"]
+    assert [line.partition(" ")[0] for line in said] == ["45", "50", "a", "55", "60"]
+    assert said[2] == "a confirmed candidate held in 50 % of 200 flights only; the search goes on"
 
 
 def test_a_rate_before_any_time_has_passed_is_none():

@@ -39,12 +39,12 @@ SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
 def draw_study(folder: Path, world=None, course: Course | None = None, goal: str = "completion=1", budget: int = 20):
     """Run a small study, draw it, and return the files."""
     course, world = course or make_course(), world or PlausibleWorld()
-    settings = TuningSettings(seed=3, budget=budget, goal=parse_goal(goal))
+    settings = TuningSettings(seed=3, budget=budget, goal=parse_goal(goal), validation=20)
     guess = course.space.first_guess(len(course.segments))
     configuration = Configuration(course, world.name, parse_goal(goal).metric, "metropolis_hastings:tied", settings, guess)
     with Study.open(folder, configuration) as study:
         if budget > 1 or goal != "unflown":
-            carry_out(study, Objective(course, world, configuration.metric), validation_flights=20)
+            carry_out(study, Objective(course, world, configuration.metric))
         return draw(folder, study, world, flights=4)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from hotlap.cli.parser import Parser, one_of, path, whole
+from hotlap.cli.parser import Parser, fraction, one_of, path, whole
 
 KINDS = ("race", "track", "quadrotor")
 GOALS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
@@ -79,8 +79,9 @@ def _tune(parser: Parser) -> None:
     _reference(parser)
     add("--first-guess", default="default", metavar="FILE", help="parameters to begin with: a file, a study's folder, or default")
     _world(parser)
-    add("--validation", type=whole, default=200, metavar="N", help="flights of the result with fresh noise, 0 for none (default: 200)")
     add("--confirmations", type=whole, default=4, metavar="N", help="re-flights that a candidate must pass (default: 4)")
+    add("--validation", type=whole, default=200, metavar="N", help="flights of the result with fresh noise, 0 for none (default: 200)")
+    add("--reliability", type=fraction, default=0.8, metavar="R", help="least share of them to succeed, or go on (default: 0.8; 0: any)")
     add("--batch", type=whole, default=8, metavar="N", help="most candidates to fly at once, for tuners that can (default: 8)")
 
 

@@ -6,6 +6,7 @@ Not tyro: it prints its errors as boxes, and hands them out as data only through
 from __future__ import annotations
 
 import argparse
+import math
 import re
 from collections.abc import Callable, Sequence
 from difflib import get_close_matches
@@ -75,6 +76,17 @@ def whole(text: str) -> int:
         return int(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"must be a whole number, not '{text}'") from None
+
+
+def fraction(text: str) -> float:
+    """A number from 0 to 1."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 <= value <= 1:
+        raise argparse.ArgumentTypeError(f"must be a fraction from 0 to 1, not '{text}'")
+    return value
 
 
 def path(text: str) -> Path:

@@ -11,6 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from hotlap.cli.output import Plain, note, percent
 from hotlap.tuning import Batch, Candidate
+from hotlap.validation import Validation
 
 INTERVAL = 5.0  # s between lines
 
@@ -18,20 +19,19 @@ Watch = Callable[[Batch], None]
 
 
 @contextmanager
-def follow(budget: int, flown: int, validation_flights: int) -> Iterator[Watch]:
+def follow(budget: int, flown: int) -> Iterator[Watch]:
     """Show the batches of a tuning.
 
     Args:
         budget: flights at most.
         flown: flights of earlier sittings.
-        validation_flights: that follow the last batch.
 
     Yields:
         What to call after each batch.
     """
     console = Plain(stderr=True)
     if not console.is_terminal:
-        yield Lines(budget, flown, validation_flights)
+        yield Lines(budget, flown)
         return
     state = TextColumn("{task.fields[state]}", markup=False)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn())
@@ -41,8 +41,8 @@ def follow(budget: int, flown: int, validation_flights: int) -> Iterator[Watch]:
 
         def watch(batch: Batch) -> None:
             progress.update(task, completed=batch.flights, state=f"{describe(batch.best)}, {rate(batch.flights)}")
-            if batch.done and validation_flights:
-                progress.update(task, description="validating", total=None, state=f"{validation_flights} flights with fresh noise")
+            for validation in batch.fallen:
+                progress.console.print(fell(validation), markup=False, highlight=False)
 
         yield watch
 
@@ -70,24 +70,28 @@ class Lines:
     Args:
         budget: flights at most.
         flown: flights so far.
-        validation_flights: that follow the last batch.
         clock: [s]
     """
 
-    def __init__(self, budget: int, flown: int, validation_flights: int, clock: Callable[[], float] = time.monotonic) -> None:
-        self._budget, self._validation_flights, self._clock = budget, validation_flights, clock
+    def __init__(self, budget: int, flown: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._budget, self._clock = budget, clock
         self._rate, self._last = Rate(flown, clock), clock()
 
     def __call__(self, batch: Batch) -> None:
         """Say how it stands, if it is time."""
+        for validation in batch.fallen:
+            note(fell(validation))
         if batch.done or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
             note(f"{batch.flights} of {self._budget} flights, best so far: {describe(batch.best)}, {self._rate(batch.flights)}")
-        if batch.done and self._validation_flights:
-            note(f"validating: {self._validation_flights} flights with fresh noise ...")
 
 
 def describe(best: Candidate) -> str:
     """The best candidate in few words."""
     cost = f", cost {best.cost:.3g}" if math.isfinite(best.cost) else ""
     return f"completion {percent(best.completion)}{cost}{', confirmed' if best.confirmed else ''}"
+
+
+def fell(validation: Validation) -> str:
+    """A candidate that was confirmed and did not hold."""
+    return f"a confirmed candidate held in {percent(validation.rate)} of {validation.flights} flights only; the search goes on"

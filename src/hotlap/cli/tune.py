@@ -10,7 +10,7 @@ from typing import Any
 
 from hotlap import __version__, tuners, worlds
 from hotlap.cli.flying import make_course, make_ready, read_parameters
-from hotlap.cli.inputs import check_range, check_source
+from hotlap.cli.inputs import check_source
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow
 from hotlap.cli.stopping import remark
@@ -26,7 +26,6 @@ from hotlap.study import Study, carry_out, new_folder
 from hotlap.tuning import TuningSettings
 from hotlap.worlds.world import World
 
-MOST_VALIDATED = 100_000
 DEFAULT_GUESS = "default"
 
 
@@ -35,7 +34,7 @@ def run(options: Namespace) -> int:
     world, configuration = _configure(options)
     folder = new_folder(configuration.course.race.name) if options.out is None else options.out
     with remark(f"nothing is lost; go on with: {_continuing(options, folder)}"), Study.open(folder, configuration) as study:
-        result = _carry_out(study, world, options.validation)
+        result = _carry_out(study, world)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
         pictures = _draw(study, world)
@@ -46,9 +45,8 @@ def run(options: Namespace) -> int:
 
 def _configure(options: Namespace) -> tuple[World, Configuration]:
     """Check everything that was asked for, the quick things first, and plan."""
-    numbers = {name: getattr(options, name) for name in ("budget", "seed", "confirmations", "batch")}
+    numbers = {name: getattr(options, name) for name in ("budget", "seed", "confirmations", "validation", "reliability", "batch")}
     settings = TuningSettings(goal=parse_goal(options.goal), **numbers)
-    check_range("--validation", options.validation, 0, MOST_VALIDATED)
     tuner, world = tuners.build(options.tuner), worlds.build(options.on)
     check_source(options.reference)
     guess = None if options.first_guess == DEFAULT_GUESS else Path(options.first_guess)
@@ -62,7 +60,7 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
     return world, Configuration(course, world.name, settings.goal.metric, tuner.name, settings, first)
 
 
-def _carry_out(study: Study, world: World, validation_flights: int) -> Result:
+def _carry_out(study: Study, world: World) -> Result:
     """Tune and validate, from wherever the study stands."""
     configuration = study.configuration
     make_ready(world, configuration.course)
@@ -70,12 +68,8 @@ def _carry_out(study: Study, world: World, validation_flights: int) -> Result:
     if before is not None:
         note(f"{study.folder}: going on after {before.flights} flights")
     objective = Objective(configuration.course, world, configuration.metric)
-    with follow(configuration.settings.budget, before.flights if before else 0, validation_flights) as watch:
-        result = carry_out(study, objective, watch, validation_flights)
-    validated = 0 if result.validation is None else result.validation.flights
-    if validated != validation_flights:
-        note(f"note: {study.folder}: was validated by {validated} flights before, and is not again")
-    return result
+    with follow(configuration.settings.budget, before.flights if before else 0) as watch:
+        return carry_out(study, objective, watch)
 
 
 def _saved(study: Study, result: Result) -> SavedParameters:

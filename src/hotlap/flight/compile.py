@@ -1,9 +1,13 @@
 """Programs to LLVM, for any kind of number; CasADi functions to programs."""
 
+# pyright: reportCallIssue=false
+# Numba's decorators change what they decorate.
+
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -47,6 +51,11 @@ def compiled(build: Callable[[], Program]) -> Callable[..., None]:
         return lambda *arrays: emit(arrays)
 
     return function
+
+
+def compiled_dynamics(name: str) -> Callable[..., None]:
+    """A function of `hotlap.dynamics` as `compiled` makes it; CasADi is loaded when it is compiled, not before."""
+    return compiled(lambda: translate(getattr(import_module("hotlap.dynamics"), name)()))
 
 
 def _emit(builder: Any, program: Program, pointers: list, kind: Any, llvm_type: Any) -> None:

@@ -4,6 +4,9 @@ Numba's own cache looks at the file of the compiled function alone: an edit of a
 Here the place on disk changes with every source that takes part, and Numba adds its own version, the processor and its features.
 """
 
+# pyright: reportIncompatibleMethodOverride=false
+# Numba's abstract methods have no return types.
+
 from __future__ import annotations
 
 import sys
@@ -16,7 +19,7 @@ from numba.core import caching
 
 from hotlap.cache import digest_sources, folder
 
-SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.race", "hotlap.records", "hotlap.quadrotor")
+SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.dynamics_layout", "hotlap.race", "hotlap.records", "hotlap.quadrotor")
 
 
 def place() -> Path:

@@ -5,6 +5,9 @@ the auto-vectoriser. Every function here also has a plain Python body: with NUMB
 in the interpreter on floats. This file and `compile.py` are all that touches Numba's extension interface.
 """
 
+# pyright: reportCallIssue=false, reportAttributeAccessIssue=false
+# Numba's decorators change what they decorate.
+
 from __future__ import annotations
 
 import math

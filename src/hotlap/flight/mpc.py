@@ -11,15 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from hotlap import dynamics
-from hotlap.dynamics import NODE_JACOBIAN
-from hotlap.flight.compile import compiled, translate
+from hotlap.dynamics_layout import NODE_JACOBIAN
+from hotlap.flight.compile import compiled, compiled_dynamics
 from hotlap.flight.lanes import every, number, select
 from hotlap.flight.numbers import COMPILE, aligned_zeros
 from hotlap.flight.program import Program, Tape, dot
 from hotlap.flight.riccati import GAIN_SIZE, P_SIZE, SCRATCH_SIZE, backward_stage, forward_stage, terminal_stage
 
-NEWLY_CLAMPED = 1e-4  # of an input: a lane that clamped less than this anew in its forward pass needs no further sweep
+AT_REST = 1e-4  # of an input: a lane whose sweep moved none by more needs no further one
 
 
 def retract_stage() -> Program:
@@ -34,8 +33,8 @@ def retract_stage() -> Program:
     return tape.program
 
 
-linearise = compiled(lambda: translate(dynamics.linearised_node_map()))
-propagate = compiled(lambda: translate(dynamics.node_map()))
+linearise = compiled_dynamics("linearised_node_map")
+propagate = compiled_dynamics("node_map")
 terminal = compiled(terminal_stage)
 backward = compiled(backward_stage)
 forward = compiled(forward_stage)
@@ -62,7 +61,7 @@ class Mpc(NamedTuple):
         value, slope: (2, 45), (2, 9) P and p, at two nodes.
         scratch: of the backward stage.
         is_open: (1,) 1 where another sweep is wanted.
-        cut: (1,) largest newly clamped amount.
+        unrest: (2,) of the last sweep: largest change of an input, 1 if one is at a bound.
     """
 
     X: Any
@@ -84,7 +83,7 @@ class Mpc(NamedTuple):
     slope: Any
     scratch: Any
     is_open: Any
-    cut: Any
+    unrest: Any
 
 
 def allocate_mpc(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Mpc:
@@ -93,7 +92,7 @@ def allocate_mpc(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Mpc:
         "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (4,), "input_weights": (4,), "spacing": (1,),
         "low": (4,), "high": (4,), "gravity": (1,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9), "change": (2, 9),
         "jacobian": (nodes, NODE_JACOBIAN), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE), "slope": (2, 9),
-        "scratch": (SCRATCH_SIZE,), "is_open": (1,), "cut": (1,),
+        "scratch": (SCRATCH_SIZE,), "is_open": (1,), "unrest": (2,),
     }  # fmt: skip
     memory = Mpc(**{name: aligned_zeros((*size, lanes), kind) for name, size in sizes.items()})
     for array in (memory.weights, memory.input_weights, memory.spacing, memory.X[:, 3], memory.reference[:, 3]):
@@ -105,7 +104,8 @@ def allocate_mpc(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Mpc:
 def solve(m: Mpc, sweeps: int) -> None:
     """Move the plan (X, U) to the solution of the quadratic problem around it.
 
-    A sweep beyond the first changes only lanes whose forward pass clamped an input anew, so that no lane depends on its neighbours.
+    A sweep that meets no bound is exact. Further ones change only lanes in which a bound was met and an input moved, so that no lane
+    depends on its neighbours.
     """
     nodes = len(m.U)
     zero = number(m.X[0, 0], 0.0)
@@ -118,7 +118,7 @@ def solve(m: Mpc, sweeps: int) -> None:
     m.is_open[0] = number(zero, 1.0)
     for _ in range(sweeps):
         _sweep(m)
-        m.is_open[0] = select(m.cut[0] > NEWLY_CLAMPED, m.is_open[0], zero)
+        m.is_open[0] = select(m.unrest[0] > AT_REST, select(m.unrest[1] > 0.5, m.is_open[0], zero), zero)
         if every(m.is_open[0] < 0.5):
             break
     for n in range(nodes + 1):
@@ -142,10 +142,11 @@ def _sweep(m: Mpc) -> None:
         )  # fmt: skip
     for i in range(9):
         m.change[0, i] = zero
-    m.cut[0] = zero
+    m.unrest[0] = zero
+    m.unrest[1] = zero
     for n in range(nodes):
         now = n % 2
         forward(
             m.jacobian[n], m.gains[n], m.feed[n], m.change[now], m.inputs[n], m.deviation[n + 1], m.spacing, m.low, m.high,
-            m.is_open, m.cut, m.inputs[n], m.change[1 - now], m.deviation[n + 1], m.cut,
+            m.is_open, m.unrest, m.inputs[n], m.change[1 - now], m.deviation[n + 1], m.unrest,
         )  # fmt: skip

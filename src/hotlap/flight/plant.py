@@ -8,9 +8,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hotlap import dynamics
+from hotlap.dynamics_layout import AUTOPILOT, DISTURBANCE, VEHICLE
 from hotlap.errors import HotlapError
-from hotlap.flight.compile import compiled, translate
+from hotlap.flight.compile import compiled_dynamics
 from hotlap.flight.lanes import select
 from hotlap.flight.numbers import COMPILE, aligned_zeros
 from hotlap.quadrotor import Layout, Quadrotor, torque_matrix
@@ -25,7 +25,7 @@ TRUTH = (
 )  # fmt: skip
 """Columns of `truth` in `World.fly`: what may differ from flight to flight, in the units of `Quadrotor`."""
 
-step_plant = compiled(lambda: translate(dynamics.plant_step()))
+step_plant = compiled_dynamics("plant_step")
 
 
 def truth_of(quadrotor: Quadrotor) -> Floats:
@@ -45,7 +45,7 @@ def vehicle_numbers(truth: Floats, layout: Layout) -> Floats:
         layout: of the rotors.
 
     Returns:
-        Shape (B, V), in the order of `dynamics.VEHICLE`.
+        Shape (B, V), in the order of `dynamics_layout.VEHICLE`.
 
     Raises:
         HotlapError: a physical parameter is not finite or negative, or a mass or inertia is 0.
@@ -98,8 +98,8 @@ class Craft(NamedTuple):
     step: Any
 
 
-VEHICLE_SIZE, AUTOPILOT_SIZE = sum(dynamics.VEHICLE.values()), sum(dynamics.AUTOPILOT.values())
-DISTURBANCE_SIZE = sum(dynamics.DISTURBANCE.values())
+VEHICLE_SIZE, AUTOPILOT_SIZE = sum(VEHICLE.values()), sum(AUTOPILOT.values())
+DISTURBANCE_SIZE = sum(DISTURBANCE.values())
 
 
 def allocate_craft(lanes: int, kind: type[np.floating[Any]]) -> Craft:

@@ -22,7 +22,7 @@ class Instruction(NamedTuple):
     result: int
     operands: tuple[int, ...] = ()
     argument: int = -1
-    index: int = -1
+    index: int = -1  # pyright: ignore[reportIncompatibleMethodOverride]  nobody searches a step
     value: float = 0.0
 
 

@@ -49,23 +49,24 @@ def backward_stage() -> Program:
 
 
 def forward_stage() -> Program:
-    """(C, K, k, e, u, deviation+, h, low, high, open, cut) -> u, e+, deviation+, cut.
+    """(C, K, k, e, u, deviation+, h, low, high, open, unrest) -> u, e+, deviation+, unrest.
 
-    Lanes that are not open keep their input and deviation bit for bit. `cut` is the largest amount by which a bound shortened an
-    input so far: beyond what the stage had foreseen.
+    Lanes that are not open keep their input and deviation bit for bit. `unrest` is what the sweep did so far: the largest change of
+    an input, and 1 if one of them is at a bound.
     """
     tape = Tape()
-    sizes = (39, GAIN_SIZE, 4, 9, 4, 9, 1, 4, 4, 1, 1)
-    c, gains, feed, e, u, deviation, (h,), low, high, (is_open,), (cut,) = (tape.array(k, size) for k, size in enumerate(sizes))
+    sizes = (39, GAIN_SIZE, 4, 9, 4, 9, 1, 4, 4, 1, 2)
+    c, gains, feed, e, u, deviation, (h,), low, high, (is_open,), (moved, bound) = (tape.array(k, size) for k, size in enumerate(sizes))
     moves = is_open > 0.5
     inputs, changes = [], []
     for a in range(4):
         k = gains[9 * a : 9 * a + 9]
         wanted = (u[a] + feed[a] + dot(k[:3], e[:3])) + (dot(k[3:6], e[3:6]) + dot(k[6:], e[6:]))
         bounded = wanted.maximum(low[a]).minimum(high[a])
-        cut = cut.maximum((wanted - bounded).maximum(bounded - wanted))
         inputs.append(moves.where(bounded, u[a]))
         changes.append(inputs[a] - u[a])
+        moved = moved.maximum(changes[a].maximum(-changes[a]))
+        bound = ((bounded <= low[a]) | (bounded >= high[a])).where(1.0, bound)
     speed = [dot(c[18 + 7 * i : 25 + 7 * i], e[3:6] + changes) for i in range(3)]
     following = [
         *(e[i] + h * (e[6 + i] + 0.5 * speed[i]) for i in range(3)),
@@ -75,7 +76,7 @@ def forward_stage() -> Program:
     tape.store(11, inputs)
     tape.store(12, following)
     tape.store(13, [deviation[i] + following[i] for i in range(9)])
-    tape.store(14, [cut])
+    tape.store(14, [moved, bound])
     return tape.program
 
 

@@ -53,7 +53,8 @@ def fly_queue(numbers: Numbers, job: Job, settings: Settings, gates: Gates, verd
     lanes, kind, effort = numbers.lanes, numbers.dtype, np.zeros(2, dtype=np.int64)
     commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods) + 2
     memory = allocate_mpc(settings.nodes, lanes, kind), allocate_pilot(commands, lanes, kind), allocate_craft(lanes, kind)
-    lane = Lane(*(np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH)), np.zeros((7, lanes)))
+    flight, tick, segment = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
+    lane = Lane(flight, tick, segment, chance=np.zeros((7, lanes)))
     worker(numbers)(job, settings, gates, verdicts, *memory, lane, effort)
     return effort
 

@@ -28,7 +28,7 @@ def key(problem: Problem) -> str:
     description = {field.name: getattr(problem, field.name) for field in dataclasses.fields(problem) if field.name != "track"}
     description["quadrotor"] = problem.quadrotor.model_dump(mode="json", include=OF_QUADROTOR)
     description["ramp"] = problem.ramp and problem.ramp.model_dump(mode="json")
-    code = digest_sources("hotlap.planning", "hotlap.dynamics", "hotlap.quadrotor", "hotlap.reference")
+    code = digest_sources("hotlap.planning", "hotlap.dynamics", "hotlap.dynamics_layout", "hotlap.quadrotor", "hotlap.reference")
     versions = [code, version("casadi"), version("numpy"), platform.machine()]
     text = json.dumps([description, versions], sort_keys=True, default=np.ndarray.tolist)
     return hashlib.sha256(text.encode()).hexdigest()[:32]

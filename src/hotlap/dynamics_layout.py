@@ -1,0 +1,30 @@
+"""What the functions of `dynamics` take, without CasADi: parts of their vectors and how many numbers each has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+PLANNING_PARAMETERS = 18  # mass, gravity, isotropic drag, inertia (3), torque matrix (3 x 4, row by row)
+NODE_JACOBIAN = 39  # numbers that linearise a node of the controller's horizon
+
+VEHICLE: Mapping[str, int] = {
+    "mass": 1,
+    "inertia": 3,
+    "torques": 12,
+    "rotor_thrust": 2,
+    "motor_shares": 2,
+    "drag": 3,
+    "rotor_drag": 1,
+    "body_drag": 3,
+    "gravity": 1,
+    "rate_gain": 3,
+    "torque_damping": 1,
+}
+"""Physical parameters of the plant: those of `Quadrotor`; torque matrix row by row; motor shares are 1 - exp(-step / motor_time), up
+and down."""
+
+AUTOPILOT: Mapping[str, int] = {"mass": 1, "inertia": 3, "mixer": 16}
+"""What the rate loop believes; the mixer, row by row, takes (collective thrust, torques) to rotor thrusts."""
+
+DISTURBANCE: Mapping[str, int] = {"thrust_factor": 1, "wind": 3}
+"""What differs from flight to flight: a factor of the thrust, and an acceleration [m/s^2] (world)."""
