@@ -135,4 +135,3 @@ def test_settings_are_those_of_the_race():
     assert (blind.lead, blind.predicted_periods, blind.predicted_rest) == (0.0, 0, 0.0)
     whole = settings_of(courses.make_race(model={"delay": 0.05}))
     assert (whole.predicted_periods, whole.predicted_rest) == (5, 0.0)
-

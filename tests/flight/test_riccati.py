@@ -135,7 +135,18 @@ def test_an_attitude_error_costs_its_quaternion():
 def walk(s: dict[str, Any], policy: stages.Policy, change: np.ndarray, *, is_open: bool, unrest: Any = (0.0, 0.0)) -> tuple[Any, ...]:
     """The forward program: inputs, change of the next deviation, next deviation, unrest."""
     u, following, deviation, unrest = s["u"].copy(), np.zeros(9), np.full(9, 0.3), np.array(unrest)
-    inputs = [s["C"], policy.gains.ravel(), policy.step, change, u, deviation, np.array([H]), s["low"], s["high"], np.array([float(is_open)])]
+    inputs = [
+        s["C"],
+        policy.gains.ravel(),
+        policy.step,
+        change,
+        u,
+        deviation,
+        np.array([H]),
+        s["low"],
+        s["high"],
+        np.array([float(is_open)]),
+    ]
     run(FORWARD, [*inputs, unrest, u, following, deviation, unrest])
     return u, following, deviation, unrest
 

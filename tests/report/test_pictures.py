@@ -177,7 +177,7 @@ def test_a_plan_stands_on_end_or_on_a_point(tmp_path):
 
 
 def test_settings_of_the_user_are_left_alone():
-    with mpl.rc_context({"axes.grid": True, "font.size": 30.0}):
+    with mpl.rc_context({"axes.grid": True, "font.size": 30.0, "backend": "agg"}):
         before = mpl.rcParams.copy()
         figures.track(stage(make_course()))
         assert mpl.rcParams == before
