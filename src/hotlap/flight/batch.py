@@ -82,9 +82,7 @@ def settings_of(race: Race) -> Settings:
     """The settings of a race as the flight core takes them."""
     controller, noise, believed = race.controller, race.noise, race.believed
     lead = believed.delay if controller.predict else 0.0
-    periods = math.floor(lead / controller.period + 1e-9)
-    rest = lead - periods * controller.period
-    return Settings(
+    settings = Settings(
         nodes=controller.nodes,
         sweeps=controller.sweeps,
         period=controller.period,
@@ -92,8 +90,8 @@ def settings_of(race: Race) -> Settings:
         plant_step=PLANT_STEP,
         table_period=0.01,
         lead=lead if controller.reference_time is ReferenceTime.EXECUTION else 0.0,
-        predicted_periods=periods,
-        predicted_rest=rest if rest > 1e-9 else 0.0,
+        predicted_periods=0,
+        predicted_rest=0.0,
         feed_forward=controller.feed_forward,
         gravity=believed.gravity,
         thrust_noise=noise.thrust,
@@ -109,6 +107,14 @@ def settings_of(race: Race) -> Settings:
         wind=noise.wind,
         wind_memory=_memory(controller.period, noise.wind_time),
     )
+    return predicting(settings, lead)
+
+
+def predicting(settings: Settings, span: float) -> Settings:
+    """The same settings, with a prediction over so many seconds."""
+    periods = math.floor(span / settings.period + 1e-9)
+    rest = span - periods * settings.period
+    return settings._replace(predicted_periods=periods, predicted_rest=rest if rest > 1e-9 else 0.0)
 
 
 def prepare(

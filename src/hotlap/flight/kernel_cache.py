@@ -9,6 +9,7 @@ Here the place on disk changes with every source that takes part, and Numba adds
 
 from __future__ import annotations
 
+import pickle
 import sys
 from contextlib import suppress
 from importlib.metadata import version
@@ -78,7 +79,11 @@ class KernelCache(caching.FunctionCache):
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled function if that can be done."""
         with suppress(OSError):
-            super().save_overload(sig, data)
+            try:
+                super().save_overload(sig, data)
+            except (pickle.UnpicklingError, EOFError, ValueError, AttributeError, ImportError):  # a damaged index
+                self.flush()
+                super().save_overload(sig, data)
 
     @property
     def is_filled(self) -> bool:

@@ -1,0 +1,104 @@
+"""Controller: the tuned controller by itself, for other simulators and for vehicles.
+
+It runs the same compiled functions as the flights that tuned it, in float64, one control step a call.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from hotlap.course import Course
+from hotlap.errors import HotlapError
+from hotlap.flight.batch import predicting, prepare, settings_of
+from hotlap.flight.control import FRESH, Pilot, aim, allocate_pilot, begin_control, control
+from hotlap.flight.job import Job, Settings
+from hotlap.flight.kernel_cache import keep
+from hotlap.flight.lanes import as_numbers
+from hotlap.flight.mpc import Mpc, allocate_mpc
+from hotlap.flight.numbers import COMPILE, Numbers
+from hotlap.parameters import Parameters
+
+STATE = 10  # p q v; body rates may follow and are not used
+MOST_AGE = 0.25  # s
+
+
+class Controller:
+    """Commands for a drone on a course.
+
+    Args:
+        course: what is flown; its race's model and controller settings count, not its vehicle.
+        parameters: shape (S, K) or, for all segments alike, (K,).
+
+    Raises:
+        HotlapError: parameters that do not fit.
+    """
+
+    def __init__(self, course: Course, parameters: Parameters) -> None:
+        whole = np.array(np.broadcast_to(parameters, (len(course.segments), course.space.size)), dtype=np.float64)
+        self._job, _ = prepare(course, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
+        self._settings = settings_of(course.race)
+        self._known = course.race.believed.delay if course.race.controller.predict else 0.0
+        self._mpc = allocate_mpc(self._settings.nodes, 1, np.float64)
+        commands = math.ceil((self._known + MOST_AGE) / self._settings.period) + 2
+        self._pilot = allocate_pilot(commands, 1, np.float64)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the plan and the commands on their way: the drone has been hovering."""
+        self._segment, self._time = FRESH, -np.inf
+        _begin(self._job, self._settings, self._mpc, self._pilot)
+
+    def command(self, time: float, state: NDArray[np.float64], age: float = 0.0) -> NDArray[np.float64]:
+        """The command for now: one control step; to be called every control period, in order of time.
+
+        Over a known dead time (the model's `delay`) the state is predicted through the commands that were given before.
+
+        Args:
+            time: [s] since the start of the reference.
+            state: shape (10,) or (13,): position [m], attitude (w, x, y, z) and velocity [m/s] (world); rates are not used.
+            age: [s] of the state, up to 0.25: by so much earlier than `time` it was measured; predicted like the dead time.
+
+        Returns:
+            Shape (4,): collective thrust per mass [m/s^2] and body rates [rad/s].
+
+        Raises:
+            HotlapError: a state that is not finite, a time that does not go on, or an age out of range.
+        """
+        if not 0 <= age <= MOST_AGE:
+            raise HotlapError(f"the age of a state must be from 0 to {MOST_AGE:g} s, not {age:g}")
+        if len(state) < STATE or not np.isfinite(state[:STATE]).all():
+            raise HotlapError("the state must be ten finite numbers: position, attitude (w, x, y, z), velocity")
+        if not self._time < time < np.inf:
+            raise HotlapError(f"time must go on: {time:g} s comes after {self._time:g} s")
+        seen = self._pilot.seen[:, 0]
+        seen[:] = state[:STATE]
+        seen[3:7] *= np.sign(seen[3:7] @ self._attitude(time)) or 1.0  # q and -q are one attitude; the nearer one is meant
+        elapsed = min(time - self._time, 1e3)
+        settings = self._settings if age == 0 else predicting(self._settings, self._known + age)
+        self._segment = _step(self._job, settings, self._mpc, self._pilot, self._segment, float(time), float(elapsed))
+        self._time = time
+        return self._pilot.history[0, :, 0].copy()
+
+    def _attitude(self, time: float) -> NDArray[np.float64]:
+        """The reference's, about now, shape (4,)."""
+        row = min(max(int(time / self._settings.table_period), 0), len(self._job.table) - 1)
+        return self._job.table[row, 3:7]
+
+
+def _begin_one(job: Job, s: Settings, mpc: Mpc, pilot: Pilot) -> None:
+    begin_control(job, s, mpc, pilot, 0)
+
+
+def _step_one(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, segment: int, time: float, elapsed: float) -> int:
+    now = aim(job, s, mpc, pilot, 0, 0, segment, time, elapsed)
+    control(s, as_numbers(mpc, 0), as_numbers(pilot, 0))
+    return now
+
+
+_begin: Any = keep(njit(**COMPILE)(_begin_one), "controller-begin")
+_step: Any = keep(njit(**COMPILE)(_step_one), "controller-step")
