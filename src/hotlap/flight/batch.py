@@ -196,5 +196,5 @@ def _record(course: Course, job: Job, gates: Gates, v: Verdicts, log: Sequence[i
 
 def _log(rows: Any, period: float) -> Log:
     """One flight's log."""
-    times = period * np.arange(len(rows))
+    times = np.arange(len(rows), dtype=np.float64) * period
     return Log(times=times, states=rows[:, :13].copy(), rotor_thrusts=rows[:, 13:17].copy(), commands=rows[:, 17:].copy())
