@@ -4,12 +4,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from hotlap.course import LOG_STEP, NAMES
-from hotlap.parameters import ParameterSpace, reflect
+from hotlap.controllers import space_of
+from hotlap.parameters import reflect
 from hotlap.race import ControllerSettings
 
 SETTINGS = ControllerSettings()
-SPACE = ParameterSpace(NAMES, np.array(SETTINGS.low), np.array(SETTINGS.high), np.array(SETTINGS.default), np.array(LOG_STEP))
+SPACE = space_of(SETTINGS.kind, SETTINGS.low, SETTINGS.high, SETTINGS.default)
 
 unit_rows = arrays(float, (3, SPACE.size), elements=st.floats(0, 1))
 anything = arrays(float, (3, SPACE.size), elements=st.floats(-1e5, 1e5))

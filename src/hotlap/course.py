@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.controllers import space_of
 from hotlap.parameters import ParameterSpace
 from hotlap.race import Race
 from hotlap.reference import Reference
 from hotlap.segmentation import Segments
-
-NAMES = ("Q_pos_xy", "Q_pos_z", "Q_attitude", "Q_velocity", "horizon")
-LOG_STEP = (1.0, 1.0, 1.0, 1.0, 0.5)  # the horizon acts on everything at once: half steps
 
 
 @dataclass(frozen=True)
@@ -34,8 +32,7 @@ class Course:
     def space(self) -> ParameterSpace:
         """What can be tuned, per segment."""
         settings = self.race.controller
-        arrays = (np.array(values) for values in (settings.low, settings.high, settings.default, LOG_STEP))
-        return ParameterSpace(NAMES, *arrays)
+        return space_of(settings.kind, settings.low, settings.high, settings.default)
 
     @property
     def gate_segments(self) -> NDArray[np.int64]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
+from hotlap.controllers import TUNABLE, ControllerKind
 from hotlap.quadrotor import Quadrotor
 from hotlap.schema import Described, NotNegative, Positive
 from hotlap.track import Track
@@ -56,10 +57,16 @@ class ReferenceTime(StrEnum):
     NOW = "now"
 
 
+def _of_kind(values: dict[str, Any], name: str) -> tuple[float, ...]:
+    """Bounds or defaults of the controller's kind."""
+    return getattr(TUNABLE[values.get("kind", ControllerKind.MPC)], name)
+
+
 class ControllerSettings(Described):
-    """Settings of the model-predictive controller that are not tuned (Eq. 3 of the paper).
+    """Settings of the controller that are not tuned (Eq. 3 of the paper).
 
     Attributes:
+        kind: which controller flies.
         nodes: N, intervals of the horizon.
         period: [s] of the control loop.
         sweeps: box-constrained Riccati sweeps per control step.
@@ -70,11 +77,12 @@ class ControllerSettings(Described):
         feed_forward: take the reference's inputs as the inputs to stay close to (else hover).
         predict: predict the state over the model's dead time.
         reference_time: what a predicting controller compares with: the reference when the command acts, or now.
-        low: least Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon.
-        high: largest of the same.
-        default: first value of the same.
+        low: least values of what is tuned: Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon; or of what another kind has.
+        high: largest values of the same.
+        default: first values of the same.
     """
 
+    kind: ControllerKind = ControllerKind.MPC
     nodes: int = Field(default=20, ge=2, le=100)
     period: float = Field(default=0.01, gt=0, le=0.1)
     sweeps: int = Field(default=2, ge=1, le=10)
@@ -85,9 +93,9 @@ class ControllerSettings(Described):
     feed_forward: bool = True
     predict: bool = True
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
-    low: tuple[Positive, Positive, Positive, Positive, Positive] = (1.0, 100.0, 1.0, 1.0, 1.0)
-    high: tuple[Positive, Positive, Positive, Positive, Positive] = (1000.0, 1500.0, 100.0, 1000.0, 7.0)
-    default: tuple[Positive, Positive, Positive, Positive, Positive] = (200.0, 500.0, 50.0, 10.0, 4.0)
+    low: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "low"))
+    high: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "high"))
+    default: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "default"))
 
     @model_validator(mode="after")
     def _ordered(self) -> ControllerSettings:
@@ -96,6 +104,10 @@ class ControllerSettings(Described):
         steps = self.period / PLANT_STEP
         if abs(steps - round(steps)) > 1e-6:
             raise ValueError(f"period: a multiple of the plant's step of {PLANT_STEP * 1e3:g} ms, not {self.period * 1e3:g} ms")
+        names = TUNABLE[self.kind].names
+        for key, values in (("low", self.low), ("high", self.high), ("default", self.default)):
+            if len(values) != len(names):
+                raise ValueError(f"{key}: must have {len(names)} values ({', '.join(names)}), not {len(values)}")
         for i, (low, value, high) in enumerate(zip(self.low, self.default, self.high, strict=True)):
             if low >= high:
                 raise ValueError(f"low[{i}]: {low:g} is not below high[{i}] = {high:g}")

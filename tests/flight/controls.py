@@ -9,11 +9,12 @@ import numpy as np
 from numba import njit
 
 from hotlap.flight.batch import prepare, settings_of
-from hotlap.flight.control import FRESH, Pilot, aim, allocate_pilot, begin_control, control
+from hotlap.flight.control import FRESH, aim, begin_control, control
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.lanes import as_numbers, borrow
 from hotlap.flight.mpc import Mpc, allocate_mpc
 from hotlap.flight.numbers import COMPILE, Numbers
+from hotlap.flight.pilot import Pilot, allocate_pilot, begin_pilot
 
 from . import courses, stages
 
@@ -50,7 +51,8 @@ def aim_step(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, before: int, time: f
 @njit(**COMPILE)
 def begin(job: Job, s: Settings, mpc: Mpc, pilot: Pilot) -> None:
     """Set the lane up."""
-    begin_control(job, s, mpc, pilot, 0)
+    begin_control(job, s, mpc, 0)
+    begin_pilot(s, pilot, 0)
 
 
 @cache

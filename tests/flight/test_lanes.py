@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from threading import Barrier
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,6 +34,8 @@ EXPECTED = {
     "a < b": lambda a, b, c: np.where(a < b, a, b),
     "a <= 0": lambda a, b, c: np.where(a <= 0, 1.0, c),
     "a > b": lambda a, b, c: np.where(a > b, a, -1.0),
+    "a < b, strictly": lambda a, b, c: np.where(a < b, a, -1.0),
+    "a >= b": lambda a, b, c: np.where(a >= b, a, -1.0),
     "0 >= a": lambda a, b, c: np.where(a <= 0, c, b),
 }
 CONDITIONS = {
@@ -54,7 +57,8 @@ def work(x: Any, out: Any, flags: Any) -> None:
     out[11] -= 1.0
     out[11] /= 2.0
     out[12], out[13] = select(a < b, a, b), select(a <= 0.0, 1.0, c)
-    out[14], out[15] = select(a > b, a, -1.0), select(a <= 0.0, c, b)
+    out[14], out[15] = select(a > b, a, -1.0), select(a < b, a, -1.0)
+    out[16], out[17] = select(a >= b, a, -1.0), select(a <= 0.0, c, b)
     flags[0], flags[1], flags[2] = every(c > 0.0), every(a > 0.0), every(c < 0.0)
 
 
@@ -74,6 +78,7 @@ def draw(numbers: Numbers) -> np.ndarray:
     rng = np.random.default_rng(numbers.lanes)
     x = np.vstack([rng.normal(size=(2, numbers.lanes)), rng.uniform(0.5, 2.0, (1, numbers.lanes))])
     x[0, 0] = -abs(x[0, 0])
+    x[:2, -1] = abs(x[1, -1])  # two that are equal
     return x.astype(numbers.dtype)
 
 
@@ -163,16 +168,21 @@ def test_borrowed_memory_is_used_and_not_counted():
 
 
 def test_threads_never_take_the_same():
-    rounds = 200_000
+    rounds, counter, start = 5_000_000, np.zeros(1, dtype=np.int64), Barrier(2)
 
     @njit(nogil=True)
-    def grab(counter: np.ndarray, taken: np.ndarray) -> None:
-        for i in range(len(taken)):
-            taken[i] = take(counter)
+    def sum_of(counter: np.ndarray, rounds: int) -> int:
+        total = 0
+        for _ in range(rounds):
+            total += take(counter)
+        return total
 
-    counter, taken = np.zeros(1, dtype=np.int64), np.zeros((2, rounds), dtype=np.int64)
-    grab(counter, taken[0, :0])
+    def together(_: int) -> int:
+        start.wait()
+        return sum_of(counter, rounds)
+
+    assert sum_of(counter, 0) == 0
     with ThreadPoolExecutor(2) as pool:
-        list(pool.map(lambda row: grab(counter, row), taken))
-    assert_array_equal(np.sort(taken.ravel()), np.arange(2 * rounds))
+        totals = list(pool.map(together, range(2)))
+    assert sum(totals) == rounds * (2 * rounds - 1)  # each number from 0 once
     assert take(counter) == 2 * rounds

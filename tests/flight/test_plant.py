@@ -164,6 +164,15 @@ def test_roll_goes_right_and_pitch_goes_forward(axis, direction):
     assert abs(velocity @ direction[1::-1]) < 1e-6
 
 
+def test_a_rate_that_is_wanted_is_kept():
+    """The rate loop makes the torque that a spinning body needs to go on about the same axis, w x J w."""
+    quick = RACER.model_copy(update={"motor_time": (0.0, 0.0)})
+    state = rest()
+    state[10:13] = (3.0, -2.0, 1.5)
+    states = simulate(state, np.array([15.0, 3.0, -2.0, 1.5]), 0.2, quick)
+    assert_allclose(states[:, 10:13], np.tile(state[10:13], (len(states), 1)), atol=1e-9)
+
+
 def test_rotor_thrusts_keep_their_limits():
     wild = np.array([60.0, 30.0, -30.0, 10.0])
     for command in (wild, -wild):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.controllers import ControllerKind
 from hotlap.course import Course
 from hotlap.errors import HotlapError
 from hotlap.flight.job import LOG_COLUMNS, Job, Settings
@@ -67,13 +68,13 @@ def fly_batch(
     """
     job, gates = prepare(course, parameters, seeds, numbers, truth, log)
     verdicts = new_verdicts(len(seeds), len(gates.times))
-    settings = settings_of(course.race)
+    settings, kind = settings_of(course.race), course.race.controller.kind
     crew = min(threads or os.cpu_count() or 1, -(-len(seeds) // numbers.lanes))
     if crew <= 1:
-        effort = fly_queue(numbers, job, settings, gates, verdicts)
+        effort = fly_queue(numbers, kind, job, settings, gates, verdicts)
     else:
         with ThreadPoolExecutor(crew) as pool:  # compiled code runs without the interpreter's lock
-            effort = sum(pool.map(lambda _: fly_queue(numbers, job, settings, gates, verdicts), range(crew)))
+            effort = sum(pool.map(lambda _: fly_queue(numbers, kind, job, settings, gates, verdicts), range(crew)))
     lane_steps, useful_steps = np.asarray(effort).tolist()
     return _record(course, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
 
@@ -85,6 +86,7 @@ def settings_of(race: Race) -> Settings:
     settings = Settings(
         nodes=controller.nodes,
         sweeps=controller.sweeps,
+        stop_early=True,
         period=controller.period,
         steps=round(controller.period / PLANT_STEP),
         plant_step=PLANT_STEP,
@@ -127,7 +129,8 @@ def prepare(
     truths = truth_of(race.vehicle)[None] if truth is None else np.asarray(truth, dtype=np.float64)
     vehicles = vehicle_numbers(truths, race.vehicle.layout)
     spaced = np.array(parameters, dtype=np.float64)
-    spaced[..., 4] *= controller.horizon_unit / controller.nodes  # [s] between nodes
+    if controller.kind is ControllerKind.MPC:
+        spaced[..., 4] *= controller.horizon_unit / controller.nodes  # [s] between nodes
     delay_steps = np.rint(truths[:, 21] / PLANT_STEP).astype(np.int64)
     in_period = round(controller.period / PLANT_STEP)
     log_rows = np.full(len(seeds), -1, dtype=np.int64)

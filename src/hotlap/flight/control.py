@@ -1,56 +1,27 @@
-"""A control step: where the drone is and what it is asked to track in, a command out.
+"""A control step of the model-predictive controller: where the drone is and what it is asked to track in, a command out.
 
 `aim` is done lane by lane on raw memory, `control` on all lanes at once. The same functions fly in the simulation and in `Controller`.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
-import numpy as np
 from numba import njit
 
 from hotlap.flight.job import Job, Settings
-from hotlap.flight.lanes import number
-from hotlap.flight.mpc import Mpc, propagate, solve
-from hotlap.flight.numbers import INLINE, aligned_zeros
+from hotlap.flight.mpc import Mpc, solve
+from hotlap.flight.numbers import INLINE
+from hotlap.flight.pilot import Pilot, issue, predict
 from hotlap.flight.tracking import hover_inputs, plan_as_reference, read_reference, respace_plan
 
 FRESH = -1  # segment of a lane that has not been controlled yet
 
 
-class Pilot(NamedTuple):
-    """Memory of the control loop around the controller; raw floats (..., lanes), or numbers (...).
-
-    Attributes:
-        seen: (10,) state p q v as measured.
-        history: (H, 4) commands, the newest first.
-        shift: (1,) share of a node by which the plan moves on.
-        span: (1,) [s] of a prediction.
-        predicted: (10,) state after it.
-    """
-
-    seen: Any
-    history: Any
-    shift: Any
-    span: Any
-    predicted: Any
-
-
-def allocate_pilot(commands: int, lanes: int, kind: type[np.floating[Any]]) -> Pilot:
-    """Raw memory, of one kind of float, for so many commands."""
-    sizes = ((10,), (commands, 4), (1,), (1,), (10,))
-    return Pilot(*(aligned_zeros((*size, lanes), kind) for size in sizes))
-
-
 @njit(**INLINE)
-def begin_control(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, k: int) -> None:
-    """Set a lane up for a new flight: it has been hovering."""
+def begin_control(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
+    """Set a lane up for a new flight."""
     for n in range(4):
         mpc.input_weights[n, k], mpc.low[n, k], mpc.high[n, k] = job.input_weights[n], job.low[n], job.high[n]
     mpc.gravity[0, k] = s.gravity
-    pilot.history[:, :, k] = 0
-    pilot.history[:, 0, k] = s.gravity
 
 
 @njit(**INLINE)
@@ -101,24 +72,8 @@ def control(s: Settings, m: Mpc, p: Pilot) -> None:
     for n in range(len(m.U) - 1):
         for a in range(4):
             m.U[n, a] += p.shift[0] * (m.U[n + 1, a] - m.U[n, a])
+    predict(s, m.gravity, p)
     for i in range(10):
         m.X[0, i] = p.seen[i]
-    _predict(s, m, p)
-    solve(m, s.sweeps)
-    for n in range(len(p.history) - 1, 0, -1):
-        for a in range(4):
-            p.history[n, a] = p.history[n - 1, a]
-    for a in range(4):
-        p.history[0, a] = m.U[0, a]
-
-
-@njit(**INLINE)
-def _predict(s: Settings, m: Mpc, p: Pilot) -> None:
-    """Where the drone will be when the command acts: through the commands on their way, by the controller's own model."""
-    for n in range(s.predicted_periods, -1, -1):
-        duration = s.predicted_rest if n == s.predicted_periods else s.period
-        if duration > 0:
-            p.span[0] = number(m.X[0, 0], duration)
-            propagate(m.X[0], p.history[n], p.span, m.gravity, p.predicted)
-            for i in range(10):
-                m.X[0, i] = p.predicted[i]
+    solve(m, s.sweeps, s.stop_early)
+    issue(p, m.U[0])

@@ -6,21 +6,24 @@ It runs the same compiled functions as the flights that tuned it, in float64, on
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from hotlap.controllers import ControllerKind
 from hotlap.course import Course
 from hotlap.errors import HotlapError
 from hotlap.flight.batch import predicting, prepare, settings_of
-from hotlap.flight.control import FRESH, Pilot, aim, allocate_pilot, begin_control, control
+from hotlap.flight.control import FRESH
+from hotlap.flight.doors import DOORS
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers
-from hotlap.flight.mpc import Mpc, allocate_mpc
 from hotlap.flight.numbers import COMPILE, Numbers
+from hotlap.flight.pilot import Pilot, allocate_pilot, begin_pilot
 from hotlap.parameters import Parameters
 
 STATE = 10  # p q v; body rates may follow and are not used
@@ -41,9 +44,11 @@ class Controller:
     def __init__(self, course: Course, parameters: Parameters) -> None:
         whole = np.array(np.broadcast_to(parameters, (len(course.segments), course.space.size)), dtype=np.float64)
         self._job, _ = prepare(course, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
-        self._settings = settings_of(course.race)
+        self._settings = settings_of(course.race)._replace(stop_early=False)  # the same work at every step
         self._known = course.race.believed.delay if course.race.controller.predict else 0.0
-        self._mpc = allocate_mpc(self._settings.nodes, 1, np.float64)
+        kind = course.race.controller.kind
+        self._memory = DOORS[kind].allocate(self._settings.nodes, 1, np.float64)
+        self._begin, self._step = _steps(kind)
         commands = math.ceil((self._known + MOST_AGE) / self._settings.period) + 2
         self._pilot = allocate_pilot(commands, 1, np.float64)
         self.reset()
@@ -51,7 +56,7 @@ class Controller:
     def reset(self) -> None:
         """Forget the plan and the commands on their way: the drone has been hovering."""
         self._segment, self._time = FRESH, -np.inf
-        _begin(self._job, self._settings, self._mpc, self._pilot)
+        self._begin(self._job, self._settings, self._memory, self._pilot)
 
     def command(self, time: float, state: NDArray[np.float64], age: float = 0.0) -> NDArray[np.float64]:
         """The command for now: one control step; to be called every control period, in order of time.
@@ -80,7 +85,7 @@ class Controller:
         seen[3:7] *= np.sign(seen[3:7] @ self._attitude(time)) or 1.0  # q and -q are one attitude; the nearer one is meant
         elapsed = min(time - self._time, 1e3)
         settings = self._settings if age == 0 else predicting(self._settings, self._known + age)
-        self._segment = _step(self._job, settings, self._mpc, self._pilot, self._segment, float(time), float(elapsed))
+        self._segment = self._step(self._job, settings, self._memory, self._pilot, self._segment, float(time), float(elapsed))
         self._time = time
         return self._pilot.history[0, :, 0].copy()
 
@@ -90,15 +95,18 @@ class Controller:
         return self._job.table[row, 3:7]
 
 
-def _begin_one(job: Job, s: Settings, mpc: Mpc, pilot: Pilot) -> None:
-    begin_control(job, s, mpc, pilot, 0)
+@cache
+def _steps(kind: ControllerKind) -> tuple[Any, Any]:
+    """Compiled functions that begin, and that do one control step."""
+    begin, aim, control = DOORS[kind].begin, DOORS[kind].aim, DOORS[kind].control
 
+    def begin_one(job: Job, s: Settings, memory: Any, pilot: Pilot) -> None:
+        begin(job, s, memory, 0)
+        begin_pilot(s, pilot, 0)
 
-def _step_one(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, segment: int, time: float, elapsed: float) -> int:
-    now = aim(job, s, mpc, pilot, 0, 0, segment, time, elapsed)
-    control(s, as_numbers(mpc, 0), as_numbers(pilot, 0))
-    return now
+    def step_one(job: Job, s: Settings, memory: Any, pilot: Pilot, segment: int, time: float, elapsed: float) -> int:
+        now = aim(job, s, memory, pilot, 0, 0, segment, time, elapsed)
+        control(s, as_numbers(memory, 0), as_numbers(pilot, 0))
+        return now
 
-
-_begin: Any = keep(njit(**COMPILE)(_begin_one), "controller-begin")
-_step: Any = keep(njit(**COMPILE)(_step_one), "controller-step")
+    return keep(njit(**COMPILE)(begin_one), f"{kind}-begin"), keep(njit(**COMPILE)(step_one), f"{kind}-step")

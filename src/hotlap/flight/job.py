@@ -12,6 +12,7 @@ class Settings(NamedTuple):
 
     Attributes:
         nodes, sweeps: of the controller.
+        stop_early: leave sweeps out that change nothing; else the work does not depend on the data.
         period: [s] of the control loop.
         steps: of the plant in each period.
         plant_step: [s].
@@ -28,6 +29,7 @@ class Settings(NamedTuple):
 
     nodes: int
     sweeps: int
+    stop_early: bool
     period: float
     steps: int
     plant_step: float
@@ -57,7 +59,7 @@ class Job(NamedTuple):
     Attributes:
         table: (rows, 14) reference: p q v, thrust per mass, rates; its kind of float is that of the flights.
         row_segments: (rows,) segment at each row.
-        parameters: (B, S, 5) Q of p_xy, p_z, attitude, velocity; spacing of the nodes [s].
+        parameters: (B, S, K) as the controller takes them; of the MPC Q of p_xy, p_z, attitude, velocity and the nodes' spacing [s].
         seeds: (B,).
         input_weights: (4,) R.
         low, high: (4,) bounds of the inputs.

@@ -20,7 +20,7 @@ from numba.core import caching
 
 from hotlap.cache import digest_sources, folder
 
-SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.dynamics_layout", "hotlap.race", "hotlap.records", "hotlap.quadrotor")
+SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.dynamics_layout", "hotlap.controllers", "hotlap.race", "hotlap.records", "hotlap.quadrotor")
 
 
 def place() -> Path:
@@ -84,6 +84,10 @@ class KernelCache(caching.FunctionCache):
             except (pickle.UnpicklingError, EOFError, ValueError, AttributeError, ImportError):  # a damaged index
                 self.flush()
                 super().save_overload(sig, data)
+
+    def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
+        """Which function it is, the place and the label say already."""
+        return sig, codegen.magic_tuple()
 
     @property
     def is_filled(self) -> bool:

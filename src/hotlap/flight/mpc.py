@@ -34,7 +34,6 @@ def retract_stage() -> Program:
 
 
 linearise = compiled_dynamics("linearised_node_map")
-propagate = compiled_dynamics("node_map")
 terminal = compiled(terminal_stage)
 backward = compiled(backward_stage)
 forward = compiled(forward_stage)
@@ -101,7 +100,7 @@ def allocate_mpc(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Mpc:
 
 
 @njit(**COMPILE)
-def solve(m: Mpc, sweeps: int) -> None:
+def solve(m: Mpc, sweeps: int, stop_early: bool = True) -> None:
     """Move the plan (X, U) to the solution of the quadratic problem around it.
 
     A sweep that meets no bound is exact. Further ones change only lanes in which a bound was met and an input moved, so that no lane
@@ -119,7 +118,7 @@ def solve(m: Mpc, sweeps: int) -> None:
     for _ in range(sweeps):
         _sweep(m)
         m.is_open[0] = select(m.unrest[0] > AT_REST, select(m.unrest[1] > 0.5, m.is_open[0], zero), zero)
-        if every(m.is_open[0] < 0.5):
+        if stop_early and every(m.is_open[0] < 0.5):
             break
     for n in range(nodes + 1):
         retract(m.X[n], m.deviation[n], m.X[n])

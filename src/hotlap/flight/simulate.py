@@ -15,14 +15,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from hotlap.controllers import ControllerKind
 from hotlap.flight import noise
-from hotlap.flight.control import FRESH, Pilot, aim, allocate_pilot, begin_control, control
+from hotlap.flight.control import FRESH
+from hotlap.flight.doors import DOORS
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, judge
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers, borrow, take
-from hotlap.flight.mpc import Mpc, allocate_mpc
 from hotlap.flight.numbers import COMPILE, INLINE, Numbers
+from hotlap.flight.pilot import Pilot, allocate_pilot, begin_pilot
 from hotlap.flight.plant import Craft, allocate_craft, fly_period
 
 IDLE = -1
@@ -44,39 +46,42 @@ class Lane(NamedTuple):
     chance: Any
 
 
-def fly_queue(numbers: Numbers, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
+def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
     """Fly a queue to its end in this thread; others may do the same at the same time.
 
     Returns:
         Control steps of all lanes, and of lanes that flew, shape (2,).
     """
-    lanes, kind, effort = numbers.lanes, numbers.dtype, np.zeros(2, dtype=np.int64)
+    lanes, real, effort = numbers.lanes, numbers.dtype, np.zeros(2, dtype=np.int64)
     commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods) + 2
-    memory = allocate_mpc(settings.nodes, lanes, kind), allocate_pilot(commands, lanes, kind), allocate_craft(lanes, kind)
+    controller = DOORS[kind].allocate(settings.nodes, lanes, real)
+    memory = controller, allocate_pilot(commands, lanes, real), allocate_craft(lanes, real)
     flight, tick, segment = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
     lane = Lane(flight, tick, segment, chance=np.zeros((7, lanes)))
-    worker(numbers)(job, settings, gates, verdicts, *memory, lane, effort)
+    worker(numbers, kind)(job, settings, gates, verdicts, *memory, lane, effort)
     return effort
 
 
 @cache
-def worker(numbers: Numbers) -> Callable[..., None]:
-    """The function that flies a queue to its end, for one kind of number; several threads may call it for the same job.
+def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Callable[..., None]:
+    """The function that flies a queue to its end, for a kind of number and a controller; several threads may call it for one job.
 
     Its arguments are those of `work` below; `effort` counts control steps of all lanes, and of lanes that flew, shape (2,).
     """
     width, lanes = numbers.width, numbers.lanes
+    begin, aim, control = DOORS[kind].begin, DOORS[kind].aim, DOORS[kind].control
 
     def work(
-        job: Job, s: Settings, gates: Gates, verdicts: Verdicts, mpc: Mpc, pilot: Pilot, craft: Craft, lane: Lane, effort: np.ndarray
+        job: Job, s: Settings, gates: Gates, verdicts: Verdicts, memory: Any, pilot: Pilot, craft: Craft, lane: Lane, effort: np.ndarray
     ) -> None:
         job, gates, verdicts = borrow(job), borrow(gates), borrow(verdicts)
-        mpc, pilot, craft, lane = borrow(mpc), borrow(pilot), borrow(craft), borrow(lane)
-        m, p, c = as_numbers(mpc, width), as_numbers(pilot, width), as_numbers(craft, width)
+        memory, pilot, craft, lane = borrow(memory), borrow(pilot), borrow(craft), borrow(lane)
+        m, p, c = as_numbers(memory, width), as_numbers(pilot, width), as_numbers(craft, width)
         noisy = s.measured_position + s.measured_velocity + s.measured_attitude > 0
         busy = 0
         for k in range(lanes):
-            busy += _take_flight(job, s, mpc, pilot, craft, lane, k)
+            busy += _take_flight(job, s, pilot, craft, lane, k)
+            begin(job, s, memory, k)
         while busy > 0:
             effort[0] += lanes
             effort[1] += busy
@@ -86,7 +91,7 @@ def worker(numbers: Numbers) -> Callable[..., None]:
                 if lane.flight[k] != IDLE:
                     if noisy:
                         _mismeasure(job, s, pilot, lane, k)
-                    lane.segment[k] = aim(job, s, mpc, pilot, k, lane.flight[k], lane.segment[k], lane.tick[k] * s.period, s.period)
+                    lane.segment[k] = aim(job, s, memory, pilot, k, lane.flight[k], lane.segment[k], lane.tick[k] * s.period, s.period)
             control(s, m, p)
             for k in range(lanes):
                 if lane.flight[k] != IDLE:
@@ -94,13 +99,14 @@ def worker(numbers: Numbers) -> Callable[..., None]:
             fly_period(c, s.steps)
             for k in range(lanes):
                 if lane.flight[k] != IDLE and _rule(job, s, gates, verdicts, pilot, craft, lane, k):
-                    busy += _take_flight(job, s, mpc, pilot, craft, lane, k) - 1
+                    busy += _take_flight(job, s, pilot, craft, lane, k) - 1
+                    begin(job, s, memory, k)
 
-    return keep(njit(**COMPILE)(work), numbers)
+    return keep(njit(**COMPILE)(work), f"{kind}-{numbers}")
 
 
 @njit(**COMPILE)
-def _take_flight(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, craft: Craft, lane: Lane, k: int) -> int:
+def _take_flight(job: Job, s: Settings, pilot: Pilot, craft: Craft, lane: Lane, k: int) -> int:
     """Begin the next flight of the queue in a lane; 0 if there is none."""
     i = take(job.queue)
     if i >= len(job.seeds):
@@ -116,7 +122,7 @@ def _take_flight(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, craft: Craft, la
     craft.disturbance[:, k] = 0
     craft.disturbance[0, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS)
     _place(job, s, craft, k, seed, job.vehicles[vehicle, 0])
-    begin_control(job, s, mpc, pilot, k)
+    begin_pilot(s, pilot, k)
     lane.chance[:, k] = 0
     craft.acting[:, k] = 0
     craft.acting[0, k] = s.gravity
