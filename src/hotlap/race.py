@@ -214,6 +214,12 @@ class Race(Described):
     judge: JudgeSettings = JudgeSettings()
     provenance: str = ""
 
+    def with_controller(self, kind: ControllerKind) -> Race:
+        """The same race flown by another controller, with the bounds and defaults of its kind."""
+        kept = self.controller.model_dump(exclude={"kind", "low", "high", "default"})
+        settings = self.controller if kind is self.controller.kind else ControllerSettings(kind=kind, **kept)
+        return self.model_copy(update={"controller": settings})
+
     @property
     def believed(self) -> Quadrotor:
         """What the controller takes the vehicle for."""

@@ -171,17 +171,18 @@ def test_threads_never_take_the_same():
     rounds, counter, start = 5_000_000, np.zeros(1, dtype=np.int64), Barrier(2)
 
     @njit(nogil=True)
-    def sum_of(counter: np.ndarray, rounds: int) -> int:
+    def sum_of(counter: np.ndarray, latest: np.ndarray, rounds: int) -> int:
         total = 0
         for _ in range(rounds):
-            total += take(counter)
+            latest[0] = take(counter)  # in memory, lest the loop is replaced by its result
+            total += latest[0]
         return total
 
     def together(_: int) -> int:
         start.wait()
-        return sum_of(counter, rounds)
+        return sum_of(counter, np.zeros(1, dtype=np.int64), rounds)
 
-    assert sum_of(counter, 0) == 0
+    assert sum_of(counter, np.zeros(1, dtype=np.int64), 0) == 0
     with ThreadPoolExecutor(2) as pool:
         totals = list(pool.map(together, range(2)))
     assert sum(totals) == rounds * (2 * rounds - 1)  # each number from 0 once

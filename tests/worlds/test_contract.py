@@ -6,6 +6,9 @@ import pytest
 from flight.courses import make_course, parameters
 from hotlap import worlds
 from hotlap.errors import UnknownNameError
+from hotlap.flight.plant import TRUTH, truth_of
+from hotlap.race import Rule
+from hotlap.records import End
 
 COURSE = make_course(noise={"position": 0.05, "rates": 0.1})
 EVERY = pytest.mark.parametrize("name", worlds.names())
@@ -32,6 +35,40 @@ def test_a_flight_depends_on_parameters_and_seed_and_not_on_its_batch(name):
     alone = world.fly(COURSE, parameters(1), np.array([5]))
     assert alone.mean_error[0] == together.mean_error[1] != together.mean_error[0]
     np.testing.assert_array_equal(alone.clock_distance[0], together.clock_distance[1])
+
+
+@EVERY
+def test_flying_changes_neither_the_world_nor_what_it_is_given(name):
+    world, asked, seeds = worlds.build(name), parameters(2), np.array([4, 5])
+    first = world.fly(COURSE, asked, seeds)
+    world.fly(COURSE, 2 * asked, seeds + 7)
+    again = world.fly(COURSE, asked, seeds)
+    np.testing.assert_array_equal(first.clock_distance, again.clock_distance)
+    np.testing.assert_array_equal(asked, parameters(2))
+    np.testing.assert_array_equal(seeds, [4, 5])
+
+
+@EVERY
+def test_a_truth_is_flown_in_place_of_the_races_vehicle(name):
+    world, truth = worlds.build(name), np.tile(truth_of(COURSE.race.vehicle), (2, 1))
+    truth[1, TRUTH.index("mass")] *= 1.2
+    flights = world.fly(COURSE, parameters(2), np.array([4, 4]), truth=truth)
+    assert flights.mean_error[0] == world.fly(COURSE, parameters(1), np.array([4])).mean_error[0]
+    assert flights.mean_error[1] != flights.mean_error[0]
+
+
+@EVERY
+def test_the_same_judge_reads_every_rule(name):
+    """What a world says was passed is what its own distances say."""
+    for rule in Rule:
+        course = make_course(noise={"position": 0.05, "rates": 0.5}, judge={"rule": rule, "distance": 0.12})
+        flights = worlds.build(name).fly(course, parameters(12), np.arange(12))
+        distance = flights.clock_distance if rule is Rule.CLOCK else flights.closest_distance
+        close = distance < course.race.judge.distance
+        close[:, -1] |= rule is Rule.RELEASED
+        np.testing.assert_array_equal(flights.gates_passed, np.cumprod(close, axis=1).sum(axis=1))
+        np.testing.assert_array_equal(flights.end == End.FINISHED, flights.gates_passed == close.shape[1])
+        assert len(set(flights.gates_passed.tolist())) > 1
 
 
 def test_an_unknown_world_is_refused_with_those_there_are():

@@ -47,6 +47,11 @@ def _world(parser: Parser) -> None:
     parser.add_argument("--on", default="built-in", metavar="WORLD", help="where to fly (default: built-in)")
 
 
+def _controller(parser: Parser) -> None:
+    kinds = one_of("controller", ("mpc", "geometric"))
+    parser.add_argument("--controller", type=kinds, metavar="KIND", help="mpc or geometric (default: the race's)")
+
+
 def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
@@ -78,6 +83,7 @@ def _tune(parser: Parser) -> None:
     add("--out", type=path, metavar="DIR", help="folder of the study, begun or gone on with (default: runs/RACE-DATE, new)")
     _reference(parser)
     add("--first-guess", default="default", metavar="FILE", help="parameters to begin with: a file, a study's folder, or default")
+    _controller(parser)
     _world(parser)
     add("--confirmations", type=whole, default=4, metavar="N", help="re-flights that a candidate must pass (default: 4)")
     add("--validation", type=whole, default=200, metavar="N", help="flights of the result with fresh noise, 0 for none (default: 200)")
@@ -92,6 +98,7 @@ def _fly(parser: Parser) -> None:
     add("--flights", type=whole, default=100, metavar="N", help="how many, each with noise of its own (default: 100)")
     add("--seed", type=whole, default=0, metavar="S", help="of the noise (default: 0)")
     _reference(parser)
+    _controller(parser)
     _world(parser)
     add("--log", type=path, metavar="FILE", help="write the first flight as CSV, step by step")
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from hotlap import worlds
-from hotlap.cli.flying import make_course, make_ready, read_parameters
+from hotlap.cli.flying import load, make_course, make_ready, read_parameters
 from hotlap.cli.inputs import check_range, check_source, check_target
 from hotlap.cli.output import present, working
 from hotlap.cli.summary import describe_flights
-from hotlap.files import load_parameters, load_race, replace
+from hotlap.files import load_parameters, replace
 from hotlap.objective import Objective
 from hotlap.records import End, Flights, Log, Scores
 from hotlap.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
@@ -31,7 +31,7 @@ def run(options: Namespace) -> int:
     check_range("--seed", options.seed, 0, LARGEST_RUN_SEED)
     check_source(options.reference)
     check_target(options.log)
-    world, race = worlds.build(options.on), load_race(options.race)
+    world, race = worlds.build(options.on), load(options)
     if options.parameters is not None and options.parameters.is_file():
         load_parameters(options.parameters)
     course = make_course(race, options)

@@ -7,14 +7,21 @@ from argparse import Namespace
 from pathlib import Path
 
 from hotlap.cli.output import note, working
+from hotlap.controllers import ControllerKind
 from hotlap.course import Course
 from hotlap.database import FILE
 from hotlap.errors import InputError
-from hotlap.files import PARAMETERS_FILE, load_parameters
+from hotlap.files import PARAMETERS_FILE, load_parameters, load_race
 from hotlap.parameters import Parameters
 from hotlap.preparation import differences, parameters_for, prepare
 from hotlap.race import Race
 from hotlap.worlds.world import World
+
+
+def load(options: Namespace) -> Race:
+    """The race that was asked for, with the controller that was asked for."""
+    race = load_race(options.race)
+    return race if options.controller is None else race.with_controller(ControllerKind(options.controller))
 
 
 def make_course(race: Race, options: Namespace) -> Course:
@@ -53,6 +60,8 @@ def command_to_fly(options: Namespace, parameters: Path) -> str:
     words = ["hotlap", "fly", options.race, "--parameters", str(parameters)]
     if options.reference is not None:
         words += ["--reference", str(options.reference)]
+    if options.controller is not None:
+        words += ["--controller", options.controller]
     if options.on != "built-in":
         words += ["--on", options.on]
     return shlex.join(words)

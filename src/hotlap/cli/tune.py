@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hotlap import __version__, tuners, worlds
-from hotlap.cli.flying import make_course, make_ready, read_parameters
+from hotlap.cli.flying import load, make_course, make_ready, read_parameters
 from hotlap.cli.inputs import check_source
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow
@@ -17,7 +17,7 @@ from hotlap.cli.stopping import remark
 from hotlap.cli.summary import summarise
 from hotlap.configuration import Configuration
 from hotlap.errors import HotlapError, StudyError
-from hotlap.files import PARAMETERS_FILE, load_parameters, load_race, save_parameters
+from hotlap.files import PARAMETERS_FILE, load_parameters, save_parameters
 from hotlap.goal import Quantity, parse_goal
 from hotlap.objective import Objective
 from hotlap.result import Result
@@ -55,7 +55,7 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
     if options.out is not None and options.out.exists() and not options.out.is_dir():
         raise StudyError(str(options.out), "", "is a file, not the folder of a study")
     with remark(f"nothing is lost; begin again with: {shlex.join(['hotlap', 'tune', *options.arguments])}"):
-        course = make_course(load_race(options.race), options)
+        course = make_course(load(options), options)
     first = course.space.first_guess(len(course.segments)) if guess is None else read_parameters(guess, course)
     return world, Configuration(course, world.name, settings.goal.metric, tuner.name, settings, first)
 

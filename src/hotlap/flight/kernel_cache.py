@@ -20,7 +20,15 @@ from numba.core import caching
 
 from hotlap.cache import digest_sources, folder
 
-SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.dynamics_layout", "hotlap.controllers", "hotlap.race", "hotlap.records", "hotlap.quadrotor")
+SOURCES = (
+    "hotlap.flight",
+    "hotlap.dynamics",
+    "hotlap.dynamics_layout",
+    "hotlap.controllers",
+    "hotlap.race",
+    "hotlap.records",
+    "hotlap.quadrotor",
+)
 
 
 def place() -> Path:

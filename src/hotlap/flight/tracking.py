@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
@@ -10,11 +12,11 @@ from hotlap.flight.numbers import INLINE
 
 
 @njit(**INLINE)
-def read_reference(m: Mpc, lane: int, table: np.ndarray, period: float, time: float, spacing: float) -> None:
+def read_reference(m: Any, lane: int, table: np.ndarray, period: float, time: float, spacing: float) -> None:
     """Reference at the nodes of a lane's horizon, between rows by straight lines; the last row holds for ever.
 
     Args:
-        m: raw memory; `reference` of the lane is written.
+        m: raw memory of a controller; `reference` of the lane is written.
         lane: which one.
         table: shape (rows, 14) p q v, inputs.
         period: [s] between rows.
@@ -31,7 +33,7 @@ def read_reference(m: Mpc, lane: int, table: np.ndarray, period: float, time: fl
 
 
 @njit(**INLINE)
-def hover_inputs(m: Mpc, lane: int) -> None:
+def hover_inputs(m: Any, lane: int) -> None:
     """The inputs of hovering in place of the reference's."""
     for n in range(len(m.reference)):
         m.reference[n, 10, lane] = m.gravity[0, lane]
