@@ -11,9 +11,12 @@ import time
 import numpy as np
 
 from hotlap import tuners
+from hotlap.controllers import ControllerKind
+from hotlap.files import load_race
 from hotlap.goal import Goal
 from hotlap.objective import Objective
 from hotlap.preparation import prepare
+from hotlap.race import Race
 from hotlap.tuning import Tuning, TuningSettings, tune
 from hotlap.validation import RELIABILITY
 from hotlap.worlds.built_in import BuiltIn
@@ -21,7 +24,7 @@ from hotlap.worlds.built_in import BuiltIn
 TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
 
 
-def run(world: BuiltIn, race: str, tuner: str, seed: int, budget: int, reliability: float) -> str:
+def run(world: BuiltIn, race: Race, tuner: str, seed: int, budget: int, reliability: float) -> str:
     """A row of the table."""
     course, goal = prepare(race), Goal()
     objective, start = Objective(course, world), time.perf_counter()
@@ -36,7 +39,7 @@ def run(world: BuiltIn, race: str, tuner: str, seed: int, budget: int, reliabili
     rate = f"{100 * validation.rate:.0f} [{100 * low:.0f}, {100 * high:.0f}]"
     seconds = time.perf_counter() - start
     validations = tuning.validation_flights // validation.flights
-    return f"| {race} | {seed} | {tuning.search_flights} | {tuning.flights} | {confirmed} | {rate} | {validations} | {seconds:.1f} |"
+    return f"| {race.name} | {seed} | {tuning.search_flights} | {tuning.flights} | {confirmed} | {rate} | {validations} | {seconds:.1f} |"
 
 
 def main() -> None:
@@ -46,12 +49,13 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--budget", type=int, default=1000)
     parser.add_argument("--reliability", type=float, default=RELIABILITY)
+    parser.add_argument("--controller", type=ControllerKind, default=ControllerKind.MPC)
     parser.add_argument("--tuner", default=tuners.DEFAULT)
     arguments = parser.parse_args()
     world = BuiltIn()
     world.fly(course := prepare("circle-34"), course.space.first_guess(len(course.segments))[None], np.zeros(1, dtype=np.int64))
     print("| race | seed | search flights | flights | confirmed | validated % | validations | s |\n|---|---|---|---|---|---|---|---|")
-    for race in arguments.races:
+    for race in (load_race(name).with_controller(arguments.controller) for name in arguments.races):
         for seed in range(arguments.seeds):
             print(run(world, race, arguments.tuner, seed, arguments.budget, arguments.reliability), flush=True)
 
