@@ -17,7 +17,7 @@ from hotlap.goal import Goal
 from hotlap.objective import Objective
 from hotlap.preparation import prepare
 from hotlap.race import Race
-from hotlap.tuning import Tuning, TuningSettings, tune
+from hotlap.tuning import Tuning, TuningSettings, course_for, tune
 from hotlap.validation import RELIABILITY
 from hotlap.worlds.built_in import BuiltIn
 
@@ -26,9 +26,10 @@ TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifi
 
 def run(world: BuiltIn, race: Race, tuner: str, seed: int, budget: int, reliability: float) -> str:
     """A row of the table."""
-    course, goal = prepare(race), Goal()
+    built, goal = tuners.build(tuner), Goal()
+    course = course_for(prepare(race), built)
     objective, start = Objective(course, world), time.perf_counter()
-    tuning = Tuning(tuners.build(tuner), course, TuningSettings(goal=goal, budget=budget, seed=seed, reliability=reliability))
+    tuning = Tuning(built, course, TuningSettings(goal=goal, budget=budget, seed=seed, reliability=reliability))
     for _ in tune(objective, tuning):
         pass
     best, validation = tuning.best, tuning.validation

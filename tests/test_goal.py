@@ -14,7 +14,14 @@ from hotlap.scoring import Metric
 def scores(completion: list[float], mean_error: list[float], max_error: list[float]) -> Scores:
     nothing = np.full(len(completion), np.nan)
     return Scores(
-        nothing, np.array(completion), np.zeros(len(completion), int), nothing[:, None], np.array(mean_error), np.array(max_error), nothing
+        cost=nothing,
+        completion=np.array(completion),
+        failed_segment=np.zeros(len(completion), int),
+        gate_distance=nothing[:, None],
+        mean_error=np.array(mean_error),
+        max_error=np.array(max_error),
+        lap_time=nothing,
+        dense=nothing,
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 from fake_world import GATES, FakeWorld, make_course
 from hotlap.race import JudgeSettings, Rule
 from hotlap.records import Flights
-from hotlap.scoring import FAR, Metric, score
+from hotlap.scoring import FAR, Metric, dense_cost, score
 
 CLOCK = JudgeSettings()
 
@@ -102,3 +102,22 @@ def test_a_lap_is_no_lap_time_where_an_earlier_gate_was_missed():
     scores = score(flights, CLOCK)
     assert np.isnan(scores.lap_time[0])
     assert scores.cost[0] > 5.1
+
+
+def test_dense_cost_is_a_smooth_count_of_misses():
+    rim = dense_cost(np.array([[1.3, 0.0, 0.0]]), 1.3)
+    assert rim[0] == pytest.approx(np.log(2))
+    near, far, farther = dense_cost(np.array([[0.3], [13.0], [26.0]]), 1.3)
+    assert near < 1e-4
+    assert farther - far == pytest.approx(8 * np.log(2), rel=1e-6)
+
+
+def test_a_gate_that_was_not_reached_is_far_and_none_is_farther():
+    unreached, beyond, at = dense_cost(np.array([[np.nan], [1e6], [50.0]]), 1.3)
+    assert unreached == beyond == at
+
+
+def test_scores_have_the_dense_cost_of_their_gates():
+    scores = score(fly([2, GATES]), CLOCK)
+    np.testing.assert_array_equal(scores.dense, dense_cost(scores.gate_distance, CLOCK.distance))
+    assert np.isfinite(scores.dense).all()

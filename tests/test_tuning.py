@@ -18,7 +18,7 @@ from hotlap.objective import Objective
 from hotlap.records import Scores
 from hotlap.seeds import Stream, flight_seeds
 from hotlap.tuners import Tuner
-from hotlap.tuning import Batch, Tuning, TuningSettings, tune, tune_together
+from hotlap.tuning import Batch, Tuning, TuningSettings, course_for, tune, tune_together
 from hotlap.validation import Validation
 
 COURSE = make_course()
@@ -62,7 +62,7 @@ class ScriptedObjective(Objective):
         completion = np.array([self.completions.pop(0) for _ in seeds])
         failed = np.where(completion == 1, -1, np.round(completion * 10).astype(int))
         lap_time, nothing = np.where(completion == 1, 5.0, np.nan), np.zeros(len(seeds))
-        return Scores(100 * (1 - completion), completion, failed, nothing[:, None], nothing, nothing, lap_time)
+        return Scores(100 * (1 - completion), completion, failed, nothing[:, None], nothing, nothing, lap_time, 10 * (1 - completion))
 
 
 def points(count: int) -> np.ndarray:
@@ -104,6 +104,7 @@ def test_the_tuner_is_told_the_mean_cost_of_a_failed_candidate_and_the_flight_th
     tuner = Listener(points(2))
     run(tuner, ScriptedObjective(1.0, 1.0, 0.4, 0.2), batch=1, budget=4)
     assert tuner.told[0].cost.tolist() == [pytest.approx((0 + 0 + 60) / 3)]
+    assert tuner.told[0].dense.tolist() == [pytest.approx((0 + 0 + 6) / 3)]
     assert tuner.told[0].completion.tolist() == [0.4]
     assert tuner.told[0].failed_segment.tolist() == [4]
 
@@ -307,3 +308,9 @@ def test_an_error_goal_is_reached_and_meant():
 def test_settings_out_of_range_are_refused_with_the_option(name, value):
     with pytest.raises(InputError, match=f"^--{name}: must be from"):
         TuningSettings(**{name: value})
+
+
+def test_a_tuner_of_dense_costs_flies_on_after_a_miss():
+    dense, sparse = tuners.build("guided_walk"), tuners.build("metropolis_hastings")
+    assert course_for(COURSE, dense).race.judge.fly_on
+    assert course_for(COURSE, sparse) is COURSE

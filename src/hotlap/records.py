@@ -90,6 +90,7 @@ class Scores:
         gate_distance: shape (B, M) [m] as the rule measures it; NaN where the flight did not get there.
         mean_error, max_error: shape (B,) [m].
         lap_time: shape (B,) [s] of complete flights; NaN for the others.
+        dense: shape (B,), less is better: a cost that tells how far every gate was missed, not only the first.
     """
 
     cost: Floats
@@ -99,6 +100,7 @@ class Scores:
     mean_error: Floats
     max_error: Floats
     lap_time: Floats
+    dense: Floats
 
     def __len__(self) -> int:
         """B, the number of flights."""

@@ -11,6 +11,7 @@ from hotlap.race import JudgeSettings, Rule
 from hotlap.records import Flights, Scores
 
 FAR = 1e3  # m: what a position that is no number, or further away, counts as
+UNREACHED, STEEPNESS = 50.0, 8  # m, and exponent of the dense cost
 PENALTY_SPEED = 1.0  # m/s at which missing metres become seconds, as in the paper
 
 
@@ -43,15 +44,30 @@ def score(flights: Flights, judge: JudgeSettings, metric: Metric = Metric.TIME) 
     time = np.where(lapped, flights.lap_time, flights.end_time)
     achieved = time if metric is Metric.TIME else flights.mean_error
     missed = np.minimum(flights.gates_passed, count - 1)
+    distance = flights.clock_distance if judge.rule is Rule.CLOCK else flights.closest_distance
     return Scores(
         cost=achieved + remaining_path(flights, judge.rule) / PENALTY_SPEED,  # m(w), Sec. IV-B
         completion=flights.gates_passed / count,  # TC, Eq. 6
         failed_segment=np.where(complete, -1, flights.gate_segments[missed]),
-        gate_distance=flights.clock_distance if judge.rule is Rule.CLOCK else flights.closest_distance,
+        gate_distance=distance,
         mean_error=flights.mean_error,
         max_error=flights.max_error,
         lap_time=np.where(lapped, flights.lap_time, np.nan),
+        dense=dense_cost(distance, judge.distance),
     )
+
+
+def dense_cost(gate_distance: NDArray[np.float64], distance: float) -> NDArray[np.float64]:
+    """sum over gates of log(1 + (D_i / d)^8): near 0 well within every gate, 0.7 at its rim, then growing as 8 log D, shape (B,).
+
+    Nearly a count of misses, but smooth. A flight says most when it goes on after a miss (`judge.fly_on`).
+
+    Args:
+        gate_distance: shape (B, M) [m] as the rule measures it; NaN, where a flight did not get there, counts as `UNREACHED`.
+        distance: [m] d of the judge.
+    """
+    ratio = np.minimum(np.nan_to_num(gate_distance, nan=UNREACHED, posinf=UNREACHED), UNREACHED) / distance
+    return np.log1p(ratio**STEEPNESS).sum(axis=1)
 
 
 def remaining_path(flights: Flights, rule: Rule) -> NDArray[np.float64]:

@@ -127,6 +127,17 @@ class Batch:
     state: dict[str, Any]
 
 
+def course_for(course: Course, tuner: Tuner) -> Course:
+    """The course on which a tuner flies: one that uses dense costs has its flights go on after a missed gate.
+
+    Completion, cost and how a flight ended are the same; it takes longer to fly.
+    """
+    if not getattr(tuner.settings, "dense", False) or course.race.judge.fly_on:
+        return course
+    judge = course.race.judge.model_copy(update={"fly_on": True})
+    return replace(course, race=course.race.model_copy(update={"judge": judge}))
+
+
 class Tuning:
     """One run of a tuner on a course: settings that stay, and a state that `batch` moves on.
 
@@ -319,10 +330,11 @@ def _begin(tuning: Tuning) -> tuple[Generator[Request, Scores, Batch], Request]:
 
 
 def _told(flown: Scores, goal: Goal) -> Scores:
-    """What the tuner hears of a candidate: the last flight that failed, or else the last, with the mean cost of all of them."""
+    """What the tuner hears of a candidate: the last flight that failed, or else the last, with the mean costs of all of them."""
     failed = np.flatnonzero(~goal.met(flown))
     heard = int(failed[-1]) if len(failed) else len(flown) - 1
-    return replace(flown.rows(slice(heard, heard + 1)), cost=np.mean(flown.cost, keepdims=True))
+    means = {name: np.mean(getattr(flown, name), keepdims=True) for name in ("cost", "dense")}
+    return replace(flown.rows(slice(heard, heard + 1)), **means)
 
 
 def _candidate(parameters: Parameters, flown: Scores, confirmed: bool) -> Candidate:

@@ -23,7 +23,16 @@ def make_scores(costs: np.ndarray, completion: float = 0.5, failed_segment: int 
     """Scores with given costs and otherwise equal flights."""
     count = len(costs)
     full, nothing = np.full(count, completion), np.full(count, np.nan)
-    return Scores(np.asarray(costs, float), full, np.full(count, failed_segment), nothing[:, None], nothing, nothing, nothing)
+    return Scores(
+        np.asarray(costs, float),
+        full,
+        np.full(count, failed_segment),
+        nothing[:, None],
+        nothing,
+        nothing,
+        nothing,
+        np.asarray(costs, float),
+    )
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from hotlap.objective import Objective
 from hotlap.result import Result
 from hotlap.saved_parameters import Remark, SavedParameters
 from hotlap.study import Study, carry_out, new_folder
-from hotlap.tuning import TuningSettings
+from hotlap.tuning import TuningSettings, course_for
 from hotlap.worlds.world import World
 
 DEFAULT_GUESS = "default"
@@ -55,7 +55,7 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
     if options.out is not None and options.out.exists() and not options.out.is_dir():
         raise StudyError(str(options.out), "", "is a file, not the folder of a study")
     with remark(f"nothing is lost; begin again with: {shlex.join(['hotlap', 'tune', *options.arguments])}"):
-        course = make_course(load(options), options)
+        course = course_for(make_course(load(options), options), tuner)
     first = course.space.first_guess(len(course.segments)) if guess is None else read_parameters(guess, course)
     return world, Configuration(course, world.name, settings.goal.metric, tuner.name, settings, first)
 

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from hotlap.errors import UnknownNameError
-from hotlap.tuners import metropolis_hastings, random_search
+from hotlap.tuners import guided_walk, metropolis_hastings, random_search
+from hotlap.tuners.guided_walk import GuidedWalk
 from hotlap.tuners.metropolis_hastings import MetropolisHastings
 from hotlap.tuners.random_search import RandomSearch
 from hotlap.tuners.tuner import Tuner
@@ -14,6 +15,7 @@ from hotlap.tuners.tuner import Tuner
 DEFAULT = "metropolis_hastings"
 
 _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
+    "guided_walk": (GuidedWalk, guided_walk.PRESETS),
     "metropolis_hastings": (MetropolisHastings, metropolis_hastings.PRESETS),
     "random_search": (RandomSearch, random_search.PRESETS),
 }
