@@ -48,6 +48,7 @@ class FakeWorld:
     """
 
     name: str = "fake"
+    takes_truth: bool = False
     noise: float = 0.25
     reach: float = 2.2
     pause: float = 0.0

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.text import Text
@@ -17,8 +17,11 @@ from hotlap.records import End, Flights, Scores
 from hotlap.result import Result
 from hotlap.validation import Validation
 
+if TYPE_CHECKING:
+    from hotlap.analysis.hold import Hold
 
-def summarise(result: Result, paths: Mapping[str, Any], options: Namespace) -> Iterator[Line]:
+
+def summarise(result: Result, holds: Sequence[Hold], paths: Mapping[str, Any], options: Namespace) -> Iterator[Line]:
     """How a tuning ended, what is where, and how to fly it again."""
     verdict, style = _verdict(result)
     yield Text(f"{result.race}: {verdict}", style=style)
@@ -35,7 +38,20 @@ def summarise(result: Result, paths: Mapping[str, Any], options: Namespace) -> I
             **{"pictures" if i == 0 else " " * i: path for i, path in enumerate(paths["pictures"])},
         }
     )
+    if holds:
+        yield "will it hold?"
+        yield from facts({hold.change: share(hold.validation) for hold in holds})
     yield f"fly it again: {command_to_fly(options, Path(paths['study']))}"
+
+
+def dump_holds(holds: Sequence[Hold]) -> list[dict[str, Any]]:
+    """As plain JSON."""
+    plain = []
+    for hold in holds:
+        (low, high), validation = hold.validation.interval, hold.validation
+        counts = {"flights": validation.flights, "successes": validation.successes, "rate": validation.rate}
+        plain.append({"change": hold.change, **counts, "low": low, "high": high})
+    return plain
 
 
 def describe_flights(course: Course, flights: Flights, scores: Scores) -> Iterator[Line]:

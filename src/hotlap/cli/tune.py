@@ -6,15 +6,15 @@ import math
 import shlex
 from argparse import Namespace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hotlap import __version__, tuners, worlds
 from hotlap.cli.flying import load, make_course, make_ready, read_parameters
 from hotlap.cli.inputs import check_source
-from hotlap.cli.output import note, present
+from hotlap.cli.output import note, present, working
 from hotlap.cli.progress import follow
 from hotlap.cli.stopping import remark
-from hotlap.cli.summary import summarise
+from hotlap.cli.summary import dump_holds, summarise
 from hotlap.configuration import Configuration
 from hotlap.errors import HotlapError, StudyError
 from hotlap.files import PARAMETERS_FILE, load_parameters, save_parameters
@@ -25,6 +25,9 @@ from hotlap.saved_parameters import Remark, SavedParameters
 from hotlap.study import Study, carry_out, new_folder
 from hotlap.tuning import TuningSettings, course_for
 from hotlap.worlds.world import World
+
+if TYPE_CHECKING:
+    from hotlap.analysis.hold import Hold
 
 DEFAULT_GUESS = "default"
 
@@ -38,8 +41,13 @@ def run(options: Namespace) -> int:
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
         pictures = _draw(study, world)
+        holds = _holds(study, world, result)
     paths = {"study": str(folder), "parameters": str(file), "pictures": [str(path) for path in pictures]}
-    present(as_json=options.json, document={**result.dump(), "world": world.name, **paths}, lines=summarise(result, paths, options))
+    present(
+        as_json=options.json,
+        document={**result.dump(), "world": world.name, "hold": dump_holds(holds), **paths},
+        lines=summarise(result, holds, paths, options),
+    )
     return 0 if result.best.confirmed or configuration.settings.goal.quantity is Quantity.NONE else 1
 
 
@@ -105,6 +113,17 @@ def _draw(study: Study, world: World) -> tuple[Path, ...]:
     except (HotlapError, OSError) as error:
         note(f"note: no pictures: {error}")
         return ()
+
+
+def _holds(study: Study, world: World, result: Result) -> tuple[Hold, ...]:
+    """How the best parameters fare where the truth is a little different; nothing where the world flies what it has."""
+    configuration = study.configuration
+    if not world.takes_truth or not configuration.settings.validation:
+        return ()
+    from hotlap.analysis.hold import will_it_hold  # noqa: PLC0415  it loads the flight core
+
+    with working("flying it where the truth is different"):
+        return will_it_hold(configuration.course, world, configuration.settings.goal, result.best.parameters, result.seed)
 
 
 def _continuing(options: Namespace, folder: Path) -> str:

@@ -180,4 +180,4 @@ def _factor(correlation: float, count: int) -> Floats:
     """L with L L' = 1 on the diagonal and the correlation elsewhere, shape (count, count), or (count, 1) where all move alike."""
     if correlation == 1.0:
         return np.ones((count, 1))
-    return np.linalg.cholesky((1 - correlation) * np.eye(count) + correlation)
+    return np.asarray(np.linalg.cholesky((1 - correlation) * np.eye(count) + correlation), dtype=np.float64)

@@ -29,11 +29,12 @@ class BuiltIn:
 
     Attributes:
         name: "built-in".
+        takes_truth: it does.
         effort: what the last batch took.
     """
 
     def __init__(self, numbers: str = "", threads: int = 0) -> None:
-        self.name = NAME
+        self.name, self.takes_truth = NAME, True
         self.effort: Effort | None = None
         self._numbers, self._threads = numbers, threads
 

@@ -20,9 +20,11 @@ class World(Protocol):
 
     Attributes:
         name: what it is called.
+        takes_truth: whether it can fly another vehicle than the race's; False for one that flies what it has.
     """
 
     name: str
+    takes_truth: bool
 
     def fly(
         self,
@@ -39,7 +41,7 @@ class World(Protocol):
             course: what is flown.
             parameters: shape (B, S, K).
             seeds: shape (B,), not negative, below 2^53: the noise of each flight.
-            truth: shape (B, P) physical parameters of the vehicle for each flight; None: the race's vehicle.
+            truth: shape (B, P) physical parameters of the vehicle for each flight; None: the vehicle of the race.
             log: indices in the batch of the flights to record in full.
         """
         ...

@@ -1,0 +1,1 @@
+"""Analysis: experiments on tunings and controllers, as functions; no files."""
