@@ -54,12 +54,12 @@ class Configuration:
         """As plain JSON; the reference by its fingerprint."""
         segments, tuner = self.course.segments, tuners.build(self.tuner)
         return {
+            "tuner": {"name": tuner.name, **asdict(tuner.settings)},  # first: it decides about the race's fly_on
             "race": self.course.race.model_dump(mode="json"),
             "reference": fingerprint_reference(self.course.reference),
             "segments": {"starts": segments.starts.tolist(), "classes": list(segments.classes), "duration": segments.duration},
             "world": self.world,
             "metric": self.metric,
-            "tuner": {"name": tuner.name, **asdict(tuner.settings)},
             **{field.name: getattr(self.settings, field.name) for field in fields(TuningSettings) if field.name != "goal"},
             "goal": str(self.settings.goal),
             "first_guess": self.first_guess.tolist(),

@@ -76,7 +76,7 @@ def _plan(parser: Parser) -> None:
 def _tune(parser: Parser) -> None:
     _race(parser)
     add = parser.add_argument
-    add("--tuner", default="metropolis_hastings", metavar="NAME", help="NAME or NAME:PRESET (default: metropolis_hastings)")
+    add("--tuner", default="guided_walk", metavar="NAME", help="NAME or NAME:PRESET (default: guided_walk)")
     add("--goal", default="completion=1", help=f"when to stop: {GOALS} (default: completion=1)")
     add("--budget", type=whole, default=200, metavar="N", help="flights at most, re-flights included (default: 200)")
     add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")

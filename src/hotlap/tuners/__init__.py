@@ -12,7 +12,7 @@ from hotlap.tuners.metropolis_hastings import MetropolisHastings
 from hotlap.tuners.random_search import RandomSearch
 from hotlap.tuners.tuner import Tuner
 
-DEFAULT = "metropolis_hastings"
+DEFAULT = "guided_walk"
 
 _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
     "guided_walk": (GuidedWalk, guided_walk.PRESETS),
