@@ -9,6 +9,7 @@ Here the place on disk changes with every source that takes part, and Numba adds
 
 from __future__ import annotations
 
+import hashlib
 import pickle
 import sys
 from contextlib import suppress
@@ -97,10 +98,18 @@ class KernelCache(caching.FunctionCache):
         """Which function it is, the place and the label say already."""
         return sig, codegen.magic_tuple()
 
-    @property
-    def is_filled(self) -> bool:
-        """Whether something was compiled from the present sources."""
-        return any(Path(self._cache_path).glob(f"{self._impl.filename_base}.*.nbc"))
+    def is_filled(self, codegen: Any) -> bool:
+        """Whether something was compiled from the present sources, for what a code generator compiles for."""
+        try:
+            kept = self._cache_file._load_index()  # noqa: SLF001
+        except Exception:  # noqa: BLE001  damaged
+            return False
+        return any(processor == codegen.magic_tuple() and (Path(self._cache_path) / name).exists() for (_, processor), name in kept.items())
+
+    def remark(self, codegen: Any) -> Path:
+        """A file beside what was compiled: its name changes with the compiler and the processor, as Numba's index does."""
+        made_by = hashlib.sha256(repr((codegen.magic_tuple(), self._impl.locator.get_source_stamp())).encode()).hexdigest()
+        return Path(self._cache_path) / f"{self._impl.filename_base}.{made_by[:16]}.txt"
 
 
 def keep(dispatcher: Any, label: str) -> Any:
@@ -113,4 +122,10 @@ def keep(dispatcher: Any, label: str) -> Any:
 def is_filled(dispatcher: Any) -> bool:
     """Whether a dispatcher need not compile: it did before, or has no compiler."""
     cache = getattr(dispatcher, "_cache", None)
-    return cache is None or bool(dispatcher.signatures) or cache.is_filled
+    return cache is None or bool(dispatcher.signatures) or cache.is_filled(dispatcher.targetctx.codegen())
+
+
+def remark_on(dispatcher: Any) -> Path | None:
+    """The file for what is known about a compiled function, which need not exist; None where there is no compiler."""
+    cache = getattr(dispatcher, "_cache", None)
+    return None if cache is None else cache.remark(dispatcher.targetctx.codegen())

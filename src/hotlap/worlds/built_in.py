@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from functools import cached_property
+from importlib.metadata import version
+from platform import machine
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.controllers import ControllerKind
 from hotlap.course import Course
 from hotlap.parameters import Parameters
 from hotlap.records import Flights
@@ -18,6 +22,7 @@ if TYPE_CHECKING:
     from hotlap.flight.numbers import Numbers
 
 NAME = "built-in"
+UNSOUND = "compiled {} flights differ from interpreted ones, so flights are computed in float64, ten times slower: please report this"
 
 
 class BuiltIn:
@@ -31,16 +36,19 @@ class BuiltIn:
         name: "built-in".
         takes_truth: it does.
         effort: what the last batch took.
+
+    Lanes that do not pass their self-check are not flown: the world warns, and flies in float64.
     """
 
     def __init__(self, numbers: str = "", threads: int = 0) -> None:
         self.name, self.takes_truth = NAME, True
         self.effort: Effort | None = None
         self._numbers, self._threads = numbers, threads
+        self._sound: dict[ControllerKind, Numbers] = {}
 
     @cached_property
     def numbers(self) -> Numbers:
-        """Kind of number that flights are computed in."""
+        """Kind of number that was asked for."""
         from hotlap.flight.numbers import Numbers, best_numbers  # noqa: PLC0415  the flight core loads a compiler
 
         return Numbers(self._numbers) if self._numbers else best_numbers()
@@ -68,5 +76,18 @@ class BuiltIn:
         """Fly a batch; see `World.fly`. The columns of `truth` are `flight.plant.TRUTH`."""
         from hotlap.flight.batch import fly_batch  # noqa: PLC0415
 
-        flights, self.effort = fly_batch(course, parameters, seeds, numbers=self.numbers, threads=self._threads, truth=truth, log=log)
+        numbers = self.sound_numbers(course.race.controller.kind)
+        flights, self.effort = fly_batch(course, parameters, seeds, numbers=numbers, threads=self._threads, truth=truth, log=log)
         return flights
+
+    def sound_numbers(self, kind: ControllerKind) -> Numbers:
+        """Kind of number that flights of a controller are computed in: what was asked for, unless it fails its self-check."""
+        from hotlap.flight.numbers import Numbers  # noqa: PLC0415
+        from hotlap.flight.self_check import agrees  # noqa: PLC0415
+
+        if kind not in self._sound:
+            sound = not self.numbers.width or agrees(self.numbers, kind)
+            self._sound[kind] = self.numbers if sound else Numbers.FLOAT64
+            if not sound:
+                warnings.warn(f"{UNSOUND.format(self.numbers)} (numba {version('numba')}, {machine()})", RuntimeWarning, stacklevel=3)
+        return self._sound[kind]
