@@ -64,9 +64,9 @@ def aim(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, k: int, flight: int, befo
 
 
 @njit(**INLINE)
-def control(s: Settings, m: Mpc, p: Pilot) -> None:
-    """One control step on all lanes: from the state seen to the command, `history[0]`."""
-    for n in range(len(m.U)):  # the warm start
+def begin_plan(s: Settings, m: Mpc, p: Pilot) -> None:
+    """The warm start on all lanes: the plan moved on, from the state seen as it will be when the command acts."""
+    for n in range(len(m.U)):
         for i in range(10):
             m.X[n, i] += p.shift[0] * (m.X[n + 1, i] - m.X[n, i])
     for n in range(len(m.U) - 1):
@@ -75,5 +75,11 @@ def control(s: Settings, m: Mpc, p: Pilot) -> None:
     predict(s, m.gravity, p)
     for i in range(10):
         m.X[0, i] = p.seen[i]
+
+
+@njit(**INLINE)
+def control(s: Settings, m: Mpc, p: Pilot) -> None:
+    """One control step on all lanes: from the state seen to the command, `history[0]`."""
+    begin_plan(s, m, p)
     solve(m, s.sweeps, s.stop_early)
     issue(p, m.U[0])

@@ -1,0 +1,116 @@
+"""The controller's quadratic problems as they arise in flight, and their solution by DAQP, an exact solver that shares nothing with it.
+
+Arnström, Bemporad, Axehill, "A dual active-set solver for embedded quadratic programming using recursive LDL' updates", IEEE
+Transactions on Automatic Control 67(8), 2022.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import daqp
+import numpy as np
+from numba import njit
+
+from hotlap import dynamics
+from hotlap.course import Course
+from hotlap.flight.batch import fly_batch, prepare, settings_of
+from hotlap.flight.control import FRESH, aim, begin_control, begin_plan
+from hotlap.flight.job import Job, Settings
+from hotlap.flight.mpc import Mpc, allocate_mpc, solve
+from hotlap.flight.numbers import Numbers
+from hotlap.flight.pilot import Pilot, allocate_pilot, begin_pilot
+
+from . import stages
+
+INFEASIBLY_FAR = 1e-9  # of an input from its bound: nearer is at the bound
+
+
+@njit
+def begin_one(job: Job, s: Settings, mpc: Mpc, pilot: Pilot) -> None:
+    begin_control(job, s, mpc, 0)
+    begin_pilot(s, pilot, 0)
+
+
+@njit
+def aim_one(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, before: int, time: float) -> int:
+    return aim(job, s, mpc, pilot, 0, 0, before, time, s.period)
+
+
+@njit
+def begin_plan_one(s: Settings, m: Mpc, p: Pilot) -> None:
+    begin_plan(s, m, p)
+
+
+@njit
+def solve_one(m: Mpc, sweeps: int) -> None:
+    solve(m, sweeps, False)
+
+
+def numbers(memory):
+    """Raw memory of one lane as numbers."""
+    return type(memory)(*(array[..., 0] for array in memory))
+
+
+def copied(memory):
+    """The same, not shared."""
+    return type(memory)(*(array.copy() for array in memory))
+
+
+def problems(course: Course, parameters: np.ndarray, seed: int, every: int) -> Iterator[Mpc]:
+    """Memory as it stands before the solver, at every so many control steps of a flight; parameters have shape (S, K)."""
+    job, _ = prepare(course, parameters[None], np.array([seed]), Numbers.FLOAT64, None, ())
+    log = fly_batch(course, parameters[None], np.array([seed]), numbers=Numbers.FLOAT32X8, threads=1, log=[0])[0].logs[0]
+    s = settings_of(course.race)
+    mpc, pilot = allocate_mpc(s.nodes, 1, np.float64), allocate_pilot(s.predicted_periods + 2, 1, np.float64)
+    begin_one(job, s, mpc, pilot)
+    segment = FRESH
+    for tick, (time, state) in enumerate(zip(log.times[:-1], log.states, strict=False)):
+        pilot.seen[:, 0] = state[:10]
+        segment = aim_one(job, s, mpc, pilot, segment, time)
+        begin_plan_one(s, numbers(mpc), numbers(pilot))
+        if tick % every == every - 1:
+            yield copied(mpc)
+        solve_one(numbers(mpc), s.sweeps)
+        pilot.history[1:], pilot.history[0] = pilot.history[:-1].copy(), mpc.U[0]
+
+
+def swept(mpc: Mpc, sweeps: int) -> np.ndarray:
+    """Inputs of the plan after so many sweeps, shape (N, 4)."""
+    memory = copied(mpc)
+    solve_one(numbers(memory), sweeps)
+    return memory.U[..., 0]
+
+
+def exact(mpc: Mpc) -> np.ndarray:
+    """Inputs of the quadratic problem's solution, shape (N, 4): states eliminated, then DAQP."""
+    linearised = dynamics.linearised_node_map()
+    h, low, high, gravity = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0], mpc.gravity[0, 0]
+    states, inputs, reference = mpc.X[..., 0], mpc.U[..., 0], mpc.reference[..., 0]
+    nodes = len(inputs)
+    Q, R = stages.diagonal(mpc.weights[:, 0]), mpc.input_weights[:, 0]
+    free, response = np.zeros(9), np.zeros((9, 4 * nodes))  # deviation = free + response (inputs - near)
+    H, f, near = np.diag(np.tile(R, nodes)), np.zeros(4 * nodes), np.zeros((nodes, 4))
+    for n in range(nodes + 1):
+        error = free - stages.difference(states[n], reference[n, :10])
+        H += response.T * Q @ response
+        f += response.T @ (Q * error)
+        if n < nodes:
+            parts = linearised(states[n], inputs[n], states[n + 1], np.zeros(9), h, low, high, gravity)
+            near[n], defect, jacobian = (np.array(part).ravel() for part in parts)
+            A, B = stages.unpack(jacobian, h)
+            f[4 * n : 4 * n + 4] += R * (near[n] - reference[n, 10:])
+            free, response = A @ free + defect, A @ response
+            response[:, 4 * n : 4 * n + 4] += B
+    upper, lower = np.tile(high, nodes) - near.ravel(), np.tile(low, nodes) - near.ravel()
+    step, _, flag, _ = daqp.solve(
+        H, f, np.zeros((0, 4 * nodes)), upper, lower, np.zeros(4 * nodes, dtype=np.int32), primal_tol=1e-10, dual_tol=1e-12
+    )
+    assert flag == 1, "a strictly convex problem within bounds has a solution"
+    return near + step.reshape(nodes, 4)
+
+
+def is_bounded(mpc: Mpc, inputs: np.ndarray) -> bool:
+    """Whether some input is at a bound."""
+    low, high = mpc.low[:, 0], mpc.high[:, 0]
+    return bool(((inputs <= low + INFEASIBLY_FAR) | (inputs >= high - INFEASIBLY_FAR)).any())
