@@ -1,0 +1,73 @@
+"""How good the controller is in flight: python benchmarks/controller_quality.py [--flights 192]
+
+Tables of completion against the number of Riccati sweeps, and against dead time, known to the controller or not.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+
+from hotlap.course import Course
+from hotlap.files import load_race
+from hotlap.preparation import prepare
+from hotlap.race import Race
+from hotlap.scoring import score
+from hotlap.worlds.built_in import BuiltIn
+
+TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
+TUNED = (33.5, 357.0, 44.0, 7.1, 6.0)  # one set that flies every race of the default suite
+SWEEPS = (1, 2, 3, 5)
+DEAD_TIMES = (0.0, 0.02, 0.045, 0.05, 0.1)  # s
+
+
+def fly(course: Course, values: np.ndarray, scatter: float, flights: int) -> str:
+    """Mean completion and share of complete flights, in per cent, and mean error of the complete ones."""
+    space, rng = course.space, np.random.default_rng(0)
+    scattered = space.clip(values * np.exp(scatter * space.log_step * rng.standard_normal((flights, space.size))))
+    parameters = np.repeat(scattered[:, None], len(course.segments), axis=1)
+    scores = score(BuiltIn().fly(course, parameters, np.arange(flights)), course.race.judge)
+    complete = scores.complete
+    error = f", {scores.mean_error[complete].mean():.2f} m" if complete.any() else ""
+    return f"{100 * scores.completion.mean():.0f} / {100 * complete.mean():.0f}{error}"
+
+
+def with_sweeps(race: Race, sweeps: int) -> Race:
+    """The same race with another number of sweeps."""
+    return race.model_copy(update={"controller": race.controller.model_copy(update={"sweeps": sweeps})})
+
+
+def with_delay(race: Race, delay: float, *, known: bool) -> Race:
+    """The same race with another dead time."""
+    vehicle = race.vehicle.model_copy(update={"delay": delay})
+    return race.model_copy(update={"vehicle": vehicle, "model": race.believed.model_copy(update={"delay": delay if known else 0.0})})
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--flights", type=int, default=192)
+    flights = parser.parse_args().flights
+    weights = {"default": (None, 0.0), "tuned": (TUNED, 0.0), "default scattered": (None, 0.5), "tuned scattered": (TUNED, 0.5)}
+    print("completion % / complete %, mean error of complete flights\n")
+    print(f"| race | weights | {' | '.join(f'{sweeps} sweeps' for sweeps in SWEEPS)} |\n|{'---|' * (2 + len(SWEEPS))}")
+    for name in TABLE_I:
+        courses = [prepare(with_sweeps(load_race(name), sweeps)) for sweeps in SWEEPS]
+        for label, (values, scatter) in weights.items():
+            chosen = courses[0].space.default if values is None else np.array(values)
+            print(f"| {name} | {label} | {' | '.join(fly(course, chosen, scatter, flights) for course in courses)} |", flush=True)
+    print(
+        f"\n| race | weights | dead time | {' | '.join(f'{1e3 * delay:g} ms' for delay in DEAD_TIMES)} |\n|{'---|' * (3 + len(DEAD_TIMES))}"
+    )
+    for name in ("circle-34", "qualifier-20"):
+        for known in (True, False):
+            courses = [prepare(with_delay(load_race(name), delay, known=known)) for delay in DEAD_TIMES]
+            for label in ("default", "tuned"):
+                chosen = courses[0].space.default if label == "default" else np.array(TUNED)
+                cells = " | ".join(fly(course, chosen, 0.0, flights) for course in courses)
+                print(f"| {name} | {label} | {'known' if known else 'unknown'} | {cells} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,27 @@
+"""How long one command takes: `Controller.command`, in float64, as it would fly on a vehicle."""
+
+from __future__ import annotations
+
+from itertools import count
+
+import pytest
+
+from hotlap.controllers import ControllerKind
+from hotlap.course import Course
+from hotlap.flight.controller import Controller
+
+
+@pytest.mark.parametrize("age", [0.0, 0.045])
+@pytest.mark.parametrize("kind", ControllerKind)
+def test_command(benchmark, course, kind, age):
+    flown = Course(course.race.with_controller(kind), course.reference, course.segments)
+    controller, table, steps = Controller(flown, flown.space.default), flown.reference.table, count()
+    offset = 0.05  # beside the reference
+
+    def setup():
+        tick = next(steps) % (flown.reference.planned_rows - 1)
+        if tick == 0:
+            controller.reset()
+        return (0.01 * tick, table[tick, :10] + offset, age), {}
+
+    benchmark.pedantic(controller.command, setup=setup, rounds=3000, warmup_rounds=10)

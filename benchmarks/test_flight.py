@@ -1,0 +1,54 @@
+"""The flight core, in every kind of number: make benchmarks."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+from hotlap.controllers import ControllerKind
+from hotlap.course import Course
+from hotlap.flight.batch import fly_batch
+from hotlap.flight.numbers import Numbers, best_numbers
+from hotlap.records import Flights
+from hotlap.worlds import BuiltIn
+
+
+def fly(course: Course, flights: int, numbers: Numbers) -> tuple[Flights, float]:
+    """The default parameters in one thread, and how many control steps they flew."""
+    parameters = np.repeat(course.space.first_guess(len(course.segments))[None], flights, axis=0)
+    flown, effort = fly_batch(course, parameters, np.arange(flights), numbers=numbers, threads=1)
+    return flown, effort.useful_steps
+
+
+@pytest.mark.parametrize("kind", ControllerKind)
+@pytest.mark.parametrize("numbers", Numbers)
+def test_flights(benchmark, course, numbers, kind):
+    flown = Course(course.race.with_controller(kind), course.reference, course.segments)
+    flights = 16 * numbers.lanes
+    fly(flown, 1, numbers)  # compiles
+    _, steps = benchmark.pedantic(fly, (flown, flights, numbers), rounds=5, warmup_rounds=1)
+    benchmark.extra_info |= {"flights": flights, "microseconds a step": 1e6 * benchmark.stats["median"] / steps}
+
+
+@pytest.mark.parametrize("flights", [1_000, 100_000])
+def test_memory_and_cost_a_flight(benchmark, course, flights):
+    """One after the other: what a process holds grows with the flights; the cost of one does not."""
+    world = BuiltIn()
+    world.prepare(course)
+    parameters = np.repeat(course.space.first_guess(len(course.segments))[None], flights, axis=0)
+    start = time.process_time()
+    benchmark.pedantic(world.fly, (course, parameters, np.arange(flights)), rounds=1)
+    cost = 1e6 * (time.process_time() - start) / flights
+    benchmark.extra_info |= {"numbers": best_numbers(), "CPU microseconds a flight": cost, "MB in the process": resident()}
+    assert resident() < 1000
+
+
+def resident() -> float:
+    """[MB] the most that this process has held so far."""
+    import resource  # noqa: PLC0415  not on every system
+    import sys  # noqa: PLC0415
+
+    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kilobytes elsewhere
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
