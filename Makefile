@@ -4,7 +4,7 @@
 #   make test      run the tests
 #   make lint      check style            make types     check types
 #   make bench     measure the flights    make studies   run the tests of minutes
-#   make clean     remove .venv and caches
+#   make benchmarks   measure everything  make clean     remove .venv and caches
 
 CANDIDATES := python3.11 python3.12 python3.13 python3 python
 PYTHON ?= $(shell for python in $(CANDIDATES); do \
@@ -15,7 +15,7 @@ RACE ?= circle-34
 ARGS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: tune test lint types bench studies venv docs clean
+.PHONY: tune test lint types bench benchmarks studies venv docs clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
@@ -36,6 +36,9 @@ types: $(VENV)/.dev
 
 bench: $(VENV)/.hotlap
 	$(BIN)/hotlap bench $(ARGS)
+
+benchmarks: $(VENV)/.benchmark
+	$(BIN)/python -m pytest benchmarks --benchmark-columns=median,iqr,rounds --benchmark-sort=name $(ARGS)
 
 docs: $(VENV)/.hotlap
 	$(BIN)/python docs/tables.py
@@ -60,6 +63,10 @@ $(VENV)/.hotlap: pyproject.toml | $(VENV)/.pip
 
 $(VENV)/.test: $(VENV)/.hotlap
 	$(BIN)/python -m pip install --quiet --group test
+	@touch $@
+
+$(VENV)/.benchmark: $(VENV)/.hotlap
+	$(BIN)/python -m pip install --quiet --group benchmark
 	@touch $@
 
 $(VENV)/.lint: pyproject.toml | $(VENV)/.pip

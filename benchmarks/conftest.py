@@ -1,4 +1,4 @@
-"""Which machine the figures are of."""
+"""Which machine the figures are of, and what a benchmark says beyond its times."""
 
 from __future__ import annotations
 
@@ -9,12 +9,16 @@ from hotlap.course import Course
 from hotlap.preparation import prepare
 
 
-def pytest_report_header() -> str:
-    return f"machine: {machine_name()}"
-
-
 def pytest_benchmark_update_machine_info(machine_info):
     machine_info["processor"] = machine_name()
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    terminalreporter.write_line(f"machine: {machine_name()}")
+    for bench in config._benchmarksession.benchmarks:
+        if bench.extra_info:
+            figures = (f"{name} {value:.4g}" if isinstance(value, float) else f"{name} {value}" for name, value in bench.extra_info.items())
+            terminalreporter.write_line(f"  {bench.name}: {', '.join(figures)}")
 
 
 @pytest.fixture(scope="session")

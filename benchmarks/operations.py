@@ -1,0 +1,112 @@
+"""What a control step costs in operations, and how near the flight core comes to the processor's peak: python benchmarks/operations.py
+
+Counted are additions, multiplications, divisions, roots, comparisons and choices of the straight-line programs themselves; loads and
+stores, reference, noise and judge are not. The peak is of independent multiply-adds, two operations each, in the same kind of number.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numba import njit
+
+from hotlap import dynamics
+from hotlap.bench import RACE, machine_name
+from hotlap.course import Course
+from hotlap.flight import batch
+from hotlap.flight.compile import translate
+from hotlap.flight.lanes import as_numbers
+from hotlap.flight.mpc import retract_stage
+from hotlap.flight.numbers import COMPILE, Numbers, aligned_zeros, best_numbers
+from hotlap.flight.riccati import backward_stage, forward_stage, terminal_stage
+from hotlap.preparation import prepare
+from hotlap.race import Race
+
+ROUNDS, CHAINS, REPEATS = 20_000_000, 12, 5  # of the peak: iterations, independent chains
+GROUPS = 16  # flights a lane
+
+
+def operations(race: Race) -> list[tuple[str, int, int]]:
+    """(part, operations, how often a control step runs it), all sweeps done."""
+    nodes, sweeps = race.controller.nodes, race.controller.sweeps
+    steps, settings = round(race.controller.period / 0.0025), batch.settings_of(race)
+    predictions = settings.predicted_periods + (settings.predicted_rest > 0)
+    return [
+        ("linearise a node", translate(dynamics.linearised_node_map()).count(), nodes),
+        ("last node", terminal_stage().count(), sweeps),
+        ("backward stage", backward_stage().count(), nodes * sweeps),
+        ("forward stage", forward_stage().count(), nodes * sweeps),
+        ("move a node of the plan", retract_stage().count(), nodes + 1),
+        ("predict", translate(dynamics.node_map()).count(), predictions),
+        ("step of the plant", translate(dynamics.plant_step()).count(), steps),
+    ]
+
+
+def rate(course: Course, numbers: Numbers, *, stop_early: bool) -> float:
+    """Control steps per second of one core; with `stop_early` sweeps that change nothing are left out, as they always are in flight."""
+    settings_of = batch.settings_of
+    flights = GROUPS * numbers.lanes
+    parameters = np.repeat(course.space.first_guess(len(course.segments))[None], flights, axis=0)
+    try:
+        batch.settings_of = lambda race: settings_of(race)._replace(stop_early=stop_early)
+        best = 0.0
+        for _ in range(REPEATS + 1):  # the first may compile
+            start = time.process_time()
+            _, effort = batch.fly_batch(course, parameters, np.arange(flights), numbers=numbers, threads=1)
+            best = max(best, effort.lane_steps / (time.process_time() - start))
+        return best
+    finally:
+        batch.settings_of = settings_of
+
+
+def spinner(width: int) -> Callable[[np.ndarray, int], None]:
+    """Twelve chains of multiply-adds that do not wait for each other."""
+
+    @njit(**COMPILE)
+    def spin(memory: np.ndarray, rounds: int) -> None:
+        m = as_numbers(memory, width)
+        x, y = m[12], m[13]
+        a, b, c, d, e, f, g, h, i, j, k, l = m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11]
+        for _ in range(rounds):
+            a, b, c, d = a * x + y, b * x + y, c * x + y, d * x + y
+            e, f, g, h = e * x + y, f * x + y, g * x + y, h * x + y
+            i, j, k, l = i * x + y, j * x + y, k * x + y, l * x + y
+        m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11] = a, b, c, d, e, f, g, h, i, j, k, l
+
+    return spin
+
+
+def peak(numbers: Numbers) -> float:
+    """Operations per second of one core that does nothing but multiply and add."""
+    memory, spin = aligned_zeros((CHAINS + 2, numbers.lanes), numbers.dtype), spinner(numbers.width)
+    memory[:CHAINS] = np.arange(1, CHAINS + 1)[:, None]
+    memory[CHAINS], memory[CHAINS + 1] = 0.9999, 0.0001
+    spin(memory, 1)
+    best = 0.0
+    for _ in range(REPEATS):
+        start = time.process_time()
+        spin(memory, ROUNDS)
+        best = max(best, 2 * CHAINS * numbers.lanes * ROUNDS / (time.process_time() - start))
+    return best
+
+
+def main() -> None:
+    """Print the tables."""
+    course = prepare(RACE)
+    parts = operations(course.race)
+    total = sum(count * times for _, count, times in parts)
+    print(f"{machine_name()}; {RACE}\n\n| part | operations | times | share |\n|---|---|---|---|")
+    for name, count, times in parts:
+        print(f"| {name} | {count} | {times} | {100 * count * times / total:.1f} % |")
+    print(f"| **a control step** | **{total}** | | |\n")
+    print("| kind of number | all sweeps, steps/s | useful GFLOP/s | peak GFLOP/s | share | steps/s in flight |\n|---|---|---|---|---|---|")
+    for numbers in dict.fromkeys((Numbers.FLOAT64X4, Numbers.FLOAT32X8, best_numbers())):
+        steady, top = rate(course, numbers, stop_early=False), peak(numbers)
+        useful, flown = steady * total, rate(course, numbers, stop_early=True)
+        print(f"| {numbers} | {steady:,.0f} | {useful / 1e9:.1f} | {top / 1e9:.1f} | {100 * useful / top:.0f} % | {flown:,.0f} |")
+
+
+if __name__ == "__main__":
+    main()
