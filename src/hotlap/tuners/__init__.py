@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from hotlap.errors import UnknownNameError
-from hotlap.tuners import guided_walk, metropolis_hastings, random_search
+from hotlap.tuners import guided_walk, metropolis_hastings, particle_swarm, random_search
 from hotlap.tuners.guided_walk import GuidedWalk
 from hotlap.tuners.metropolis_hastings import MetropolisHastings
+from hotlap.tuners.particle_swarm import ParticleSwarm
 from hotlap.tuners.random_search import RandomSearch
 from hotlap.tuners.tuner import Tuner
 
@@ -17,6 +18,7 @@ DEFAULT = "guided_walk"
 _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
     "guided_walk": (GuidedWalk, guided_walk.PRESETS),
     "metropolis_hastings": (MetropolisHastings, metropolis_hastings.PRESETS),
+    "particle_swarm": (ParticleSwarm, particle_swarm.PRESETS),
     "random_search": (RandomSearch, random_search.PRESETS),
 }
 

@@ -1,4 +1,4 @@
-"""Metropolis-Hastings sampling of controller parameters (Sec. IV-A of the paper)."""
+"""Metropolis-Hastings sampling of controller parameters (Sec. IV-A of the paper), and the rules of the released code."""
 
 from __future__ import annotations
 
@@ -14,12 +14,29 @@ from numpy.typing import NDArray
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
 
+WINDOW = (1.0, 0.75, 0.5, 0.25)  # of sigma: the failed segment and the three before it, released code
+HORIZON = "horizon"
+
 
 class Scale(StrEnum):
     """Where steps are Gaussian: in the parameters' own units, or in their natural logarithm."""
 
     RAW = "raw"
     LOG = "log"
+
+
+class Score(StrEnum):
+    """How good a cost m is: exp(-m / T) in the paper (Eq. 5), exp(-2 sqrt(m) / T) in the released code."""
+
+    EXPONENTIAL = "exponential"
+    ROOT = "root"
+
+
+class Reach(StrEnum):
+    """Which segments a step moves: all in the paper; the failed one and the three before it in the released code."""
+
+    ALL = "all"
+    FAILED = "failed"
 
 
 @dataclass(frozen=True)
@@ -30,8 +47,11 @@ class Settings:
         sigma: standard deviation of a step: raw units, or natural logarithm times the space's `log_step`.
         scale: where steps are Gaussian.
         tied: share of the moves that take one step for all segments; the others move each segment by itself.
-        temperature: T of the score d(w) = exp(-m(w) / T); the paper's is 1.
+        temperature: T of the score; the paper's is 1.
         rollback: return to the current sample after a rejection, as the paper says; the released code goes on from the proposal.
+        score: of a cost.
+        reach: which segments a step moves.
+        horizon: size of the horizon's step relative to that of the other parameters; the released code's is a tenth.
     """
 
     sigma: float
@@ -39,11 +59,20 @@ class Settings:
     tied: float
     temperature: float = 1.0
     rollback: bool = True
+    score: Score = Score.EXPONENTIAL
+    reach: Reach = Reach.ALL
+    horizon: float = 1.0
 
+
+_RELEASED = {"score": Score.ROOT, "reach": Reach.FAILED, "horizon": 0.1}
 
 PRESETS: Mapping[str, Settings] = {
     "tied": Settings(sigma=0.3, scale=Scale.LOG, tied=1.0),
     "paper": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0),  # sigma = 5, Sec. IV-A
+    "untied_log": Settings(sigma=0.3, scale=Scale.LOG, tied=0.0),
+    "released": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0, rollback=False, **_RELEASED),
+    "released_rollback": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0, **_RELEASED),
+    "released_log": Settings(sigma=0.3, scale=Scale.LOG, tied=0.0, **_RELEASED),
 }
 
 
@@ -52,33 +81,42 @@ class MetropolisHastings:
 
     The transition is symmetric (Gaussian, mirrored at the bounds), so that no Hastings factor is needed; with `Scale.LOG` the
     stationary density is taken with respect to the logarithms. Each `ask` gives one proposal, the same one until it is told.
+    With `Reach.FAILED` the step depends on where the current sample failed and is not symmetric; the released code has no factor
+    for that, nor is there one here. It differs from the released code in that proposals are mirrored at the bounds, not redrawn.
+
+    Attributes:
+        temperature: of the next decision; the settings' until it is changed.
     """
 
     def __init__(self, name: str, settings: Settings) -> None:
         self.name, self.settings = name, settings
+        self.temperature = settings.temperature
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin a chain at the first guess."""
         self._space, self._rng = space, rng
         self._sample: Parameters = space.clip(first_guess)
         self._cost: float | None = None  # of the current sample; None before it was flown
+        self._failed = -1  # segment in which the current sample failed; -1 for none
         self._proposal: Parameters | None = self._sample
 
     def ask(self, n: int) -> Parameters:  # noqa: ARG002  a chain uses one at a time
         """The proposal, shape (1, S, K), whatever n; the first one is the first guess."""
         if self._proposal is None:
-            self._proposal = self._propose()
+            self._proposal = propose(self.settings, self._space, self._rng, self._sample, self._failed)
         return self._proposal[None].copy()
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
         """Accept the proposal, or keep the current sample."""
-        return np.array([self._step(*flown) for flown in zip(parameters, scores.cost.tolist(), strict=True)])
+        flown = zip(parameters, scores.cost.tolist(), scores.failed_segment.tolist(), strict=True)
+        return np.array([self._step(*flight) for flight in flown])
 
     def state(self) -> dict[str, Any]:
-        """Sample, its cost, a proposal under way and the random generator."""
+        """Sample, its cost and where it failed, a proposal under way and the random generator."""
         return {
             "sample": self._sample.tolist(),
             "cost": "inf" if self._cost == math.inf else self._cost,  # JSON has no infinity
+            "failed": self._failed,
             "proposal": None if self._proposal is None else self._proposal.tolist(),
             "rng": self._rng.bit_generator.state,
         }
@@ -87,30 +125,57 @@ class MetropolisHastings:
         """Go on where `state()` was taken."""
         self._sample = np.array(state["sample"])
         self._cost = None if state["cost"] is None else float(state["cost"])
+        self._failed = state.get("failed", -1)  # studies of earlier versions have none
         self._proposal = None if state["proposal"] is None else np.array(state["proposal"])
         self._rng.bit_generator.state = state["rng"]
 
-    def _propose(self) -> Parameters:
-        """A Gaussian step from the current sample, mirrored at the bounds."""
-        segments, size = self._sample.shape
-        tied = self._rng.random() < self.settings.tied
-        step = self.settings.sigma * self._rng.standard_normal((1 if tied else segments, size))  # w' ~ N(w, sigma^2), Sec. IV-A
-        if self.settings.scale is Scale.LOG:
-            logarithms = self._space.reflect_log(np.log(self._sample) + step * self._space.log_step)
-            return self._space.clip(np.exp(logarithms))
-        return self._space.reflect(self._sample + step)
-
-    def _step(self, proposal: Parameters, cost: float) -> bool:
+    def _step(self, proposal: Parameters, cost: float, failed: int) -> bool:
         """Decide about one proposal; costs are compared by their logarithmic scores, because exp(-300) is 0."""
         cost = cost if math.isfinite(cost) else math.inf
         threshold = self._rng.standard_exponential()  # -log u, drawn whether or not it is needed: one step, one draw
         accepted = self._cost is None or cost <= self._cost
         if self._cost is not None and not accepted:
-            worse = (cost - self._cost) / self.settings.temperature  # -log alpha
-            accepted = worse < threshold  # u < alpha = min(1, d(w')/d(w)), d(w) = exp(-m(w) / T), Sec. IV-A, Eq. 5
+            energy = [negative_log_score(self.settings.score, m) for m in (cost, self._cost)]
+            accepted = (energy[0] - energy[1]) / self.temperature < threshold  # u < alpha = min(1, d(w')/d(w)), Sec. IV-A
         if accepted:
-            self._cost = cost
+            self._cost, self._failed = cost, failed
         if accepted or not self.settings.rollback:
             self._sample = proposal.copy()
         self._proposal = None
         return accepted
+
+
+def propose(settings: Settings, space: ParameterSpace, rng: np.random.Generator, sample: Parameters, failed: int) -> Parameters:
+    """A Gaussian step from a sample, mirrored at the bounds.
+
+    Args:
+        settings: sizes of the step.
+        space: bounds.
+        rng: source of chance.
+        sample: shape (S, K).
+        failed: segment in which the sample failed; -1 for none.
+    """
+    segments, size = sample.shape
+    tied = rng.random() < settings.tied
+    step = settings.sigma * rng.standard_normal((1 if tied else segments, size))  # w' ~ N(w, sigma^2), Sec. IV-A
+    if settings.horizon != 1.0:
+        step[:, [name == HORIZON for name in space.names]] *= settings.horizon
+    if settings.reach is Reach.FAILED:
+        step = step * window(segments, failed)[:, None]
+    if settings.scale is Scale.LOG:
+        moved = step.any(axis=1, keepdims=True)  # exp(log(w)) is not w to the last bit
+        logarithms = space.reflect_log(np.log(sample) + step * space.log_step)
+        return np.where(moved, space.clip(np.exp(logarithms)), sample)
+    return space.reflect(sample + step)
+
+
+def window(segments: int, failed: int) -> NDArray[np.float64]:
+    """Share of sigma that each segment moves by, shape (S,): `WINDOW` backwards from the failed one, from the last after a full lap."""
+    last = failed if failed >= 0 else segments - 1
+    behind = last - np.arange(segments)
+    return np.where((behind >= 0) & (behind < len(WINDOW)), np.take(WINDOW, behind, mode="clip"), 0.0)
+
+
+def negative_log_score(score: Score, cost: float) -> float:
+    """-log d(w) at temperature 1; infinite where the cost is."""
+    return cost if score is Score.EXPONENTIAL else 2.0 * math.sqrt(max(cost, 0.0))  # d = exp(-m), Eq. 5; exp(-2 sqrt m), released code
