@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hotlap.tuners.metropolis_hastings import PRESETS, MetropolisHastings, Scale, Settings
+from hotlap.tuners.metropolis_hastings import PRESETS, MetropolisHastings, Reach, Scale, Score, Settings, window
 
 from . import laws
 
@@ -120,3 +120,57 @@ def test_proposal_stays_until_it_is_told():
     tuner.start(space.first_guess(1), space, np.random.default_rng(0))
     tuner.tell(tuner.ask(1), laws.make_scores(np.array([1.0])))
     np.testing.assert_array_equal(tuner.ask(1), tuner.ask(5))
+
+
+WIDE = replace(laws.make_space(0.01, 100.0, 3), names=("a", "b", "horizon"))
+
+
+def steps_after_failing_in(segment: int, settings: Settings, segments: int = 6, count: int = 1500) -> np.ndarray:
+    """Logarithmic steps, shape (count, S, K), from a first guess that failed in a segment and is never left."""
+    tuner, first = MetropolisHastings("under test", settings), WIDE.first_guess(segments)
+    tuner.start(first, WIDE, np.random.default_rng(1))
+    tuner.tell(tuner.ask(1), laws.make_scores(np.zeros(1), failed_segment=segment))
+    asked = []
+    for _ in range(count):
+        asked.append(tuner.ask(1)[0])
+        tuner.tell(asked[-1][None], laws.make_scores(np.array([1e9]), failed_segment=0))
+    return np.log(np.array(asked) / first)
+
+
+LOCAL = Settings(0.2, Scale.LOG, tied=0.0, reach=Reach.FAILED, horizon=0.1)
+
+
+@pytest.mark.parametrize(
+    ("failed", "shares"),
+    [
+        (0, (1, 0, 0, 0, 0, 0)),
+        (2, (0.5, 0.75, 1, 0, 0, 0)),
+        (4, (0, 0.25, 0.5, 0.75, 1, 0)),
+        (-1, (0, 0, 0.25, 0.5, 0.75, 1)),
+    ],
+)
+def test_local_steps_move_the_failed_segment_and_the_three_before_it_and_nothing_else(failed, shares):
+    steps = steps_after_failing_in(failed, LOCAL)
+    shares = np.array(shares, float)
+    assert (steps[:, shares == 0] == 0).all()
+    np.testing.assert_allclose(steps.std(axis=0), 0.2 * shares[:, None] * [1, 1, 0.1], rtol=0.1)
+    np.testing.assert_array_equal(window(6, failed), shares)
+
+
+def test_the_released_rules_are_settings_of_their_own():
+    released = PRESETS["released"]
+    assert (released.sigma, released.scale, released.tied) == (5.0, Scale.RAW, 0.0)
+    assert (released.score, released.reach, released.horizon, released.rollback) == (Score.ROOT, Reach.FAILED, 0.1, False)
+    assert PRESETS["released_rollback"] == replace(released, rollback=True)
+    assert PRESETS["paper"] == Settings(5.0, Scale.RAW, 0.0)
+    horizon_only = steps_after_failing_in(2, replace(LOCAL, reach=Reach.ALL))
+    np.testing.assert_allclose(horizon_only.std(axis=0), np.tile([0.2, 0.2, 0.02], (6, 1)), rtol=0.1)
+
+
+def test_the_released_score_takes_ten_seconds_more_one_time_in_six():
+    """exp(-2 (sqrt(34) - sqrt(24))), where exp(-10) would take it never."""
+    tuner, unit, space = sampler(2.0, Scale.LOG, score=Score.ROOT), np.log, laws.make_space()
+    chain = laws.run_chain(tuner, space, lambda w: 24.0 + 10.0 * float(unit(w)[0, 0] >= 0.5), 12_000)
+    worse, was_worse = unit(chain.proposals)[1:, 0, 0] >= 0.5, unit(chain.states)[:-1, 0, 0] >= 0.5
+    climbs = chain.accepted[1:][worse & ~was_worse]
+    assert climbs.mean() == pytest.approx(np.exp(-2 * (np.sqrt(34) - np.sqrt(24))), abs=0.02)

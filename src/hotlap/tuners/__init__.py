@@ -6,20 +6,24 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from hotlap.errors import UnknownNameError
-from hotlap.tuners import guided_walk, metropolis_hastings, particle_swarm, random_search
+from hotlap.tuners import cma_es, guided_walk, metropolis_hastings, particle_swarm, random_search, simulated_annealing
+from hotlap.tuners.cma_es import CmaEs
 from hotlap.tuners.guided_walk import GuidedWalk
 from hotlap.tuners.metropolis_hastings import MetropolisHastings
 from hotlap.tuners.particle_swarm import ParticleSwarm
 from hotlap.tuners.random_search import RandomSearch
+from hotlap.tuners.simulated_annealing import SimulatedAnnealing
 from hotlap.tuners.tuner import Tuner
 
 DEFAULT = "guided_walk"
 
 _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
+    "cma_es": (CmaEs, cma_es.PRESETS),
     "guided_walk": (GuidedWalk, guided_walk.PRESETS),
     "metropolis_hastings": (MetropolisHastings, metropolis_hastings.PRESETS),
     "particle_swarm": (ParticleSwarm, particle_swarm.PRESETS),
     "random_search": (RandomSearch, random_search.PRESETS),
+    "simulated_annealing": (SimulatedAnnealing, simulated_annealing.PRESETS),
 }
 
 

@@ -1,0 +1,96 @@
+"""Simulated annealing: the sampler with a temperature that falls from flight to flight (Kirkpatrick and others, Science 1983).
+
+The paper notes that its sampler is annealing at constant temperature, and claims that cooling needs many more samples (Sec. IV-A).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.records import Scores
+from hotlap.tuners import metropolis_hastings
+from hotlap.tuners.metropolis_hastings import MetropolisHastings
+
+
+class Cooling(StrEnum):
+    """How temperature falls: by a constant factor, or as slowly as convergence in probability asks for."""
+
+    GEOMETRIC = "geometric"
+    LOGARITHMIC = "logarithmic"
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What tells one annealing from another.
+
+    Attributes:
+        walk: steps, score and rollback; its temperature is that of the first decision.
+        cooling: how temperature falls.
+        factor: of the temperature from flight to flight, for GEOMETRIC.
+        coldest: temperature below which it does not fall.
+    """
+
+    walk: metropolis_hastings.Settings
+    cooling: Cooling = Cooling.GEOMETRIC
+    factor: float = 0.95
+    coldest: float = 0.1
+
+    def temperature(self, decisions: int) -> float:
+        """Of the decision after so many others; a budget is not known, so nothing depends on it."""
+        if self.cooling is Cooling.GEOMETRIC:
+            share = self.factor**decisions  # T_k = a^k T_0, Kirkpatrick and others
+        else:
+            share = math.log(2.0) / math.log(2.0 + decisions)  # T_k = c / log(k), Geman, Geman, PAMI 1984
+        return max(self.walk.temperature * share, self.coldest)
+
+
+HOT = 30.0  # seconds of cost: a few gates missed
+_TIED = metropolis_hastings.Settings(0.3, metropolis_hastings.Scale.LOG, tied=1.0, temperature=HOT)
+_PAPER = metropolis_hastings.Settings(5.0, metropolis_hastings.Scale.RAW, tied=0.0, temperature=HOT)
+
+PRESETS: Mapping[str, Settings] = {
+    "tied": Settings(_TIED),
+    "slow": Settings(_TIED, factor=0.99),
+    "logarithmic": Settings(_TIED, Cooling.LOGARITHMIC),
+    "paper": Settings(_PAPER),  # the paper's steps, cooled
+}
+
+
+class SimulatedAnnealing:
+    """A chain of `MetropolisHastings` whose temperature is set before each decision."""
+
+    def __init__(self, name: str, settings: Settings) -> None:
+        self.name, self.settings = name, settings
+        self._chain = MetropolisHastings(name, settings.walk)
+
+    def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
+        """Begin at the first guess, hot."""
+        self._chain.start(first_guess, space, rng)
+        self._flown = 0
+
+    def ask(self, n: int) -> Parameters:
+        """The proposal, shape (1, S, K), whatever n; the first one is the first guess."""
+        return self._chain.ask(n)
+
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
+        """Accept the proposal, or keep the current sample; then cool."""
+        self._chain.temperature = self.settings.temperature(max(self._flown - 1, 0))  # the first guess is taken without decision
+        self._flown += len(parameters)
+        return self._chain.tell(parameters, scores)
+
+    def state(self) -> dict[str, Any]:
+        """That of the chain, and the flights so far."""
+        return {"flown": self._flown, "chain": self._chain.state()}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on where `state()` was taken."""
+        self._flown = state["flown"]
+        self._chain.restore(state["chain"])
