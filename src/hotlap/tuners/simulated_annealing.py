@@ -45,11 +45,11 @@ class Settings:
 
     def temperature(self, decisions: int) -> float:
         """Of the decision after so many others; a budget is not known, so nothing depends on it."""
-        if self.cooling is Cooling.GEOMETRIC:
-            share = self.factor**decisions  # T_k = a^k T_0, Kirkpatrick and others
-        else:
-            share = math.log(2.0) / math.log(2.0 + decisions)  # T_k = c / log(k), Geman, Geman, PAMI 1984
-        return max(self.walk.temperature * share, self.coldest)
+        shares = {
+            Cooling.GEOMETRIC: self.factor**decisions,  # T_k = a^k T_0, Kirkpatrick and others
+            Cooling.LOGARITHMIC: math.log(2.0) / math.log(2.0 + decisions),  # T_k = c / log(k), Geman, Geman, PAMI 1984
+        }
+        return max(self.walk.temperature * shares[self.cooling], self.coldest)
 
 
 HOT = 30.0  # seconds of cost: a few gates missed
