@@ -35,7 +35,9 @@ def test_the_drone_of_the_readme_flies(tmp_path):
         assert all(finding.level is not Level.WARNING for finding in describe(load(tmp_path / name)))
 
 
-@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/files.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/files.md", "docs/controller.md", "docs/flight_core.md"]
+)
 def test_links_to_files_lead_somewhere(page):
     text = (ROOT / page).read_text()
     for target in re.findall(r"\]\(([^)#:]+)\)", text):

@@ -32,10 +32,10 @@ def make_course(race: Race, options: Namespace) -> Course:
 
 def make_ready(world: World, course: Course) -> None:
     """Let a world compile what it flies with, and say so where that takes its time."""
-    prepare_world = getattr(world, "prepare", None)
+    prepare_world, needs_compiling = getattr(world, "prepare", None), getattr(world, "needs_compiling", None)
     if prepare_world is None:
         return
-    if getattr(world, "needs_compiling", False):
+    if needs_compiling is not None and needs_compiling(course):
         with working("compiling the flight core (once, about half a minute)"):
             prepare_world(course)
     else:

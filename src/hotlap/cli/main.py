@@ -6,6 +6,7 @@ import io
 import os
 import shlex
 import sys
+import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
@@ -35,7 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal without our characters is no reason to fail
     try:
-        with stopped_by_signals():
+        with stopped_by_signals(), warnings.catch_warnings():
+            warnings.showwarning = _show_warning
             status = _run(arguments)
             sys.stdout.flush()
             return status
@@ -75,6 +77,11 @@ def _run(arguments: list[str]) -> int:
         return SUCCESS
     options.arguments = tuple(rest)
     return import_module(f"hotlap.cli.{name}").run(options)
+
+
+def _show_warning(message: Warning | str, *_: object) -> None:
+    """A warning as one line, without the place in the code that it came from."""
+    sys.stderr.write(f"hotlap: warning: {message}\n")
 
 
 def _complain(message: str, status: int) -> int:

@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from hotlap.errors import UnknownNameError
-from hotlap.tuners import cma_es, guided_walk, metropolis_hastings, particle_swarm, random_search, simulated_annealing
+from hotlap.tuners import cma_es, guided_walk, metropolis_hastings, particle_swarm, random_search, simulated_annealing, tempered
 from hotlap.tuners.cma_es import CmaEs
 from hotlap.tuners.guided_walk import GuidedWalk
 from hotlap.tuners.metropolis_hastings import MetropolisHastings
 from hotlap.tuners.particle_swarm import ParticleSwarm
 from hotlap.tuners.random_search import RandomSearch
 from hotlap.tuners.simulated_annealing import SimulatedAnnealing
+from hotlap.tuners.tempered import Tempered
 from hotlap.tuners.tuner import Tuner
 
 DEFAULT = "guided_walk"
@@ -24,6 +25,7 @@ _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]]
     "particle_swarm": (ParticleSwarm, particle_swarm.PRESETS),
     "random_search": (RandomSearch, random_search.PRESETS),
     "simulated_annealing": (SimulatedAnnealing, simulated_annealing.PRESETS),
+    "tempered": (Tempered, tempered.PRESETS),
 }
 
 

@@ -9,14 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from cmaes import CMA, get_warm_start_mgd
 from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
+
+if TYPE_CHECKING:
+    from cmaes import CMA
 
 Floats = NDArray[np.float64]
 
@@ -129,6 +131,8 @@ class CmaEs:
         if self._strategy is None:
             self._source.append((point, cost))
             if len(self._source) == self.settings.warm:
+                from cmaes import get_warm_start_mgd  # noqa: PLC0415  it loads scipy.stats
+
                 mean, sigma, covariance = get_warm_start_mgd(self._source, gamma=0.3, alpha=0.1)
                 self._strategy = self._make(mean, sigma, covariance)
             return
@@ -157,6 +161,8 @@ class CmaEs:
 
     def _make(self, mean: Floats, sigma: float, covariance: Floats | None, population: int | None = None) -> CMA:
         """A strategy within the unit box, seeded from the generator."""
+        from cmaes import CMA  # noqa: PLC0415  it loads scipy.stats
+
         seed = int(self._rng.integers(2**31))
         box = np.tile([0.0, 1.0], (len(mean), 1))
         return CMA(np.clip(mean, 1e-9, 1 - 1e-9), sigma, bounds=box, seed=seed, population_size=population, cov=covariance)

@@ -53,12 +53,11 @@ class BuiltIn:
 
         return Numbers(self._numbers) if self._numbers else best_numbers()
 
-    @property
-    def needs_compiling(self) -> bool:
-        """Whether the next flight has to wait for the compiler."""
+    def needs_compiling(self, course: Course) -> bool:
+        """Whether the next flight over a course has to wait for the compiler."""
         from hotlap.flight import kernel_cache, simulate  # noqa: PLC0415
 
-        return not kernel_cache.is_filled(simulate.worker(self.numbers))
+        return not kernel_cache.is_filled(simulate.worker(self.numbers, course.race.controller.kind))
 
     def prepare(self, course: Course) -> None:
         """Compile, or load what was compiled: flies once."""
