@@ -20,6 +20,8 @@ from hotlap.flight.job import Job, Settings
 from hotlap.flight.mpc import Mpc, allocate_mpc, solve
 from hotlap.flight.numbers import Numbers
 from hotlap.flight.pilot import Pilot, allocate_pilot, begin_pilot
+from hotlap.flight.plant import Craft, allocate_craft, fly_period
+from hotlap.flight.simulate import Lane, _actuate, _take_flight
 
 from . import stages
 
@@ -83,7 +85,12 @@ def swept(mpc: Mpc, sweeps: int) -> np.ndarray:
 
 
 def exact(mpc: Mpc) -> np.ndarray:
-    """Inputs of the quadratic problem's solution, shape (N, 4): states eliminated, then DAQP."""
+    """Inputs of the quadratic problem's solution, shape (N, 4)."""
+    return solution(mpc)[0]
+
+
+def solution(mpc: Mpc) -> tuple[np.ndarray, np.ndarray]:
+    """Inputs and planned states of the quadratic problem's solution, (N, 4) and (N + 1, 10): states eliminated, then DAQP."""
     linearised = dynamics.linearised_node_map()
     h, low, high, gravity = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0], mpc.gravity[0, 0]
     states, inputs, reference = mpc.X[..., 0], mpc.U[..., 0], mpc.reference[..., 0]
@@ -91,7 +98,9 @@ def exact(mpc: Mpc) -> np.ndarray:
     Q, R = stages.diagonal(mpc.weights[:, 0]), mpc.input_weights[:, 0]
     free, response = np.zeros(9), np.zeros((9, 4 * nodes))  # deviation = free + response (inputs - near)
     H, f, near = np.diag(np.tile(R, nodes)), np.zeros(4 * nodes), np.zeros((nodes, 4))
+    paths = []
     for n in range(nodes + 1):
+        paths.append((free, response))
         error = free - stages.difference(states[n], reference[n, :10])
         H += response.T * Q @ response
         f += response.T @ (Q * error)
@@ -101,16 +110,53 @@ def exact(mpc: Mpc) -> np.ndarray:
             A, B = stages.unpack(jacobian, h)
             f[4 * n : 4 * n + 4] += R * (near[n] - reference[n, 10:])
             free, response = A @ free + defect, A @ response
-            response[:, 4 * n : 4 * n + 4] += B
+            response = response + np.pad(B, ((0, 0), (4 * n, 4 * (nodes - n - 1))))
     upper, lower = np.tile(high, nodes) - near.ravel(), np.tile(low, nodes) - near.ravel()
     step, _, flag, _ = daqp.solve(
         H, f, np.zeros((0, 4 * nodes)), upper, lower, np.zeros(4 * nodes, dtype=np.int32), primal_tol=1e-10, dual_tol=1e-12
     )
     assert flag == 1, "a strictly convex problem within bounds has a solution"
-    return near + step.reshape(nodes, 4)
+    planned = [stages.moved(x, free + response @ step) for x, (free, response) in zip(states, paths, strict=True)]
+    return near + step.reshape(nodes, 4), np.array(planned)
 
 
 def is_bounded(mpc: Mpc, inputs: np.ndarray) -> bool:
     """Whether some input is at a bound."""
     low, high = mpc.low[:, 0], mpc.high[:, 0]
     return bool(((inputs <= low + INFEASIBLY_FAR) | (inputs >= high - INFEASIBLY_FAR)).any())
+
+
+@njit
+def take_off(job: Job, s: Settings, pilot: Pilot, craft: Craft, lane: Lane) -> None:
+    _take_flight(job, s, pilot, craft, lane, 0)
+
+
+@njit
+def fly_on(job: Job, s: Settings, pilot: Pilot, craft: Craft, numbers: Craft, lane: Lane) -> None:
+    _actuate(job, s, pilot, craft, lane, 0)
+    fly_period(numbers, s.steps)
+    lane.tick[0] += 1
+
+
+def closed_loop(course: Course, parameters: np.ndarray, seed: int, steps: int, sweeps: int | None) -> np.ndarray:
+    """Positions of a flight, shape (steps, 3), whose quadratic problems are solved by so many sweeps, or exactly where that is None."""
+    job, _ = prepare(course, parameters[None], np.array([seed]), Numbers.FLOAT64, None, ())
+    s = settings_of(course.race)
+    mpc, craft = allocate_mpc(s.nodes, 1, np.float64), allocate_craft(1, np.float64)
+    pilot = allocate_pilot(max(int(job.delay_periods.max()), s.predicted_periods) + 2, 1, np.float64)
+    lane = Lane(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros((7, 1)))
+    take_off(job, s, pilot, craft, lane)
+    begin_one(job, s, mpc, pilot)
+    segment, flown = FRESH, []
+    for tick in range(steps):
+        pilot.seen[:, 0] = craft.state[:10, 0]
+        segment = aim_one(job, s, mpc, pilot, segment, tick * s.period)
+        begin_plan_one(s, numbers(mpc), numbers(pilot))
+        if sweeps is None:
+            mpc.U[..., 0], mpc.X[..., 0] = solution(mpc)
+        else:
+            solve_one(numbers(mpc), sweeps)
+        pilot.history[1:], pilot.history[0] = pilot.history[:-1].copy(), mpc.U[0]
+        fly_on(job, s, pilot, craft, numbers(craft), lane)
+        flown.append(craft.state[:3, 0].copy())
+    return np.array(flown)

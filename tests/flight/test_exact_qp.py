@@ -8,7 +8,7 @@ import pytest
 from hotlap.preparation import prepare
 
 from . import courses
-from .exact_qp import exact, is_bounded, problems, swept
+from .exact_qp import closed_loop, exact, is_bounded, problems, swept
 
 RANGES = np.array([19.9, 20.0, 20.0, 6.0])  # of the inputs: thrust per mass, body rates
 
@@ -67,3 +67,17 @@ def test_on_two_thousand_problems_of_four_races(record_property):
         record_property(f"{sweeps} sweeps", f"median {np.median(each):.1e}, 90 % {np.quantile(each, 0.9):.1e}, largest {each.max():.1e}")
     assert np.median(table[2]) < 1e-3
     assert np.median(table[3]) < 1e-6
+
+
+@pytest.mark.slow
+def test_a_flight_with_sweeps_is_the_flight_with_an_exact_solver(record_property):
+    """Tuned weights on circle-34 and qualifier-20, with noise and an unknown dead time, for six seconds."""
+    for race in ("circle-34", "qualifier-20"):
+        course = prepare(race)
+        parameters = np.tile(courses.TUNED, (len(course.segments), 1))
+        for seed in range(2):
+            best = closed_loop(course, parameters, seed, steps=600, sweeps=None)
+            apart = {n: np.linalg.norm(closed_loop(course, parameters, seed, 600, n) - best, axis=1).max() for n in (1, 2, 3)}
+            record_property(f"{race}, seed {seed}", ", ".join(f"{n} sweeps {distance:.1e} m" for n, distance in apart.items()))
+            assert apart[2] < 0.05
+            assert apart[3] < 0.03
