@@ -1,7 +1,8 @@
 """The equations of motion, once, as CasADi expressions with symbolic physical parameters.
 
 The planner takes `point_mass` and `planning_model` as they are; `flight.compile` turns `node_map`, `linearised_node_map` and
-`plant_step` into the flight core's code. Change the model here and nowhere else.
+`plant_step` into the flight core's code. Change the model here and nowhere else; another model for the controller needs no
+linearisation of its own (`linearisation`, `flight.own_model`).
 Vectors are CasADi columns; conventions are those of `quadrotor.py`.
 """
 
@@ -12,7 +13,7 @@ from typing import Any
 
 import casadi as ca
 
-from hotlap.dynamics_layout import AUTOPILOT, DISTURBANCE, PLANNING_PARAMETERS, VEHICLE
+from hotlap.dynamics_layout import AUTOPILOT, DISTURBANCE, MODEL, PLANNING_PARAMETERS, VEHICLE
 
 Expression = Any  # casadi.SX; CasADi ships no types
 
@@ -132,6 +133,27 @@ def node_map() -> ca.Function:
     return ca.Function("node_map", [x, u, h, gravity], [_node(x, u, h, gravity)], {"cse": True})
 
 
+LEAST_THRUST = 1e-3  # m/s^2, so that the root below can be differentiated
+
+
+def drag_node_map() -> ca.Function:
+    """A model that knows the drags of the vehicle, (state p q v, thrust per mass and rates, duration, `MODEL`) -> state after it.
+
+    Half of the drag's push before the node and half behind it (Strang, SIAM J. Numer. Anal. 5, 1968). All rotors give the same thrust.
+    """
+    x, u, h, constants = ca.SX.sym("x", 10), ca.SX.sym("u", 4), ca.SX.sym("h"), ca.SX.sym("c", sum(MODEL.values()))
+    vehicle = _split(constants, MODEL)
+    speeds = 2 * ca.sqrt(vehicle["mass"] * ca.fmax(u[0], LEAST_THRUST))  # 4 sqrt(m T / 4)
+
+    def push(state: Expression) -> Expression:
+        rotation = rotation_matrix(state[3:7])
+        air = rotation.T @ state[7:]
+        middle = air - h / 4 * _drag(air, speeds, vehicle)
+        return ca.vertcat(state[:7], state[7:] - h / 2 * (rotation @ _drag(middle, speeds, vehicle)))
+
+    return ca.Function("drag_node_map", [x, u, h, constants], [push(_node(push(x), u, h, vehicle["gravity"]))], {"cse": True})
+
+
 def node_jacobian(x: Expression, u: Expression, h: Expression) -> Expression:
     """The Jacobian of `node_map` in tangent coordinates (p, theta, v), of which only what is neither 0 nor 1 is kept.
 
@@ -194,15 +216,19 @@ def _rotor_command(rates: Expression, speeds: Expression, command: Expression, v
     return ca.fmin(ca.fmax(thrusts, vehicle["rotor_thrust"][0]), vehicle["rotor_thrust"][1])
 
 
+def _drag(air: Expression, speeds: Expression, vehicle: dict) -> Expression:
+    """Deceleration by all drags (body), of a velocity through the air (body); `speeds` sums the square roots of the rotor thrusts."""
+    along = ca.vertcat(air[:2] * speeds, 0)  # RotorS: in the rotor plane, with the rotors' speed
+    return (vehicle["rotor_drag"] * along + vehicle["body_drag"] * air * ca.fabs(air)) / vehicle["mass"] + vehicle["drag"] * air
+
+
 def _body(state: Expression, speeds: Expression, vehicle: dict, disturbance: dict) -> Expression:
     """Rigid body with the rotors' thrust, drags and wind: (p q v w)'."""
     attitude, velocity, rates = state[3:7], state[7:10], state[10:13]
     rotation, thrusts = rotation_matrix(attitude), speeds**2
     air = rotation.T @ velocity
-    along = ca.vertcat(air[:2] * ca.sum1(speeds), 0)  # RotorS: in the rotor plane, with the rotors' speed
-    drag = vehicle["rotor_drag"] * along + vehicle["body_drag"] * air * ca.fabs(air)
-    force = ca.sum1(thrusts) * disturbance["thrust_factor"] * E3 - drag
-    acceleration = rotation @ (force / vehicle["mass"] - vehicle["drag"] * air) - vehicle["gravity"] * E3 + disturbance["wind"]
+    thrust = ca.sum1(thrusts) * disturbance["thrust_factor"] / vehicle["mass"] * E3
+    acceleration = rotation @ (thrust - _drag(air, ca.sum1(speeds), vehicle)) - vehicle["gravity"] * E3 + disturbance["wind"]
     torque = ca.reshape(vehicle["torques"], 4, 3).T @ thrusts
     turn = angular_acceleration(rates, torque, vehicle["inertia"])
     return ca.vertcat(velocity, quaternion_rate(attitude, rates), acceleration, turn)

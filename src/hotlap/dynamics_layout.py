@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 PLANNING_PARAMETERS = 18  # mass, gravity, isotropic drag, inertia (3), torque matrix (3 x 4, row by row)
+TANGENT, TANGENT_COLUMNS = 9, 13  # deviations p, theta, v of a state; with those of an input
 NODE_JACOBIAN = 39  # numbers that linearise a node of the controller's horizon
 
 VEHICLE: Mapping[str, int] = {
@@ -25,6 +26,9 @@ and down."""
 
 AUTOPILOT: Mapping[str, int] = {"mass": 1, "inertia": 3, "mixer": 16}
 """What the rate loop believes; the mixer, row by row, takes (collective thrust, torques) to rotor thrusts."""
+
+MODEL: Mapping[str, int] = {"gravity": 1, "mass": 1, "drag": 3, "rotor_drag": 1, "body_drag": 3}
+"""What a controller's own model may know about the vehicle, as `Quadrotor` has it."""
 
 DISTURBANCE: Mapping[str, int] = {"thrust_factor": 1, "wind": 3}
 """What differs from flight to flight: a factor of the thrust, and an acceleration [m/s^2] (world)."""

@@ -38,7 +38,7 @@ def allocate(nodes: int, commands: int = 3) -> tuple[Mpc, Pilot]:
     mpc, pilot = allocate_mpc(nodes, 1, np.float64), allocate_pilot(commands, 1, np.float64)
     mpc.weights[:, 0], mpc.input_weights[:] = courses.TUNED[:4], 1.0
     mpc.low[:, 0], mpc.high[:, 0] = LOW, HIGH
-    mpc.spacing[:], mpc.gravity[:] = SPACING, GRAVITY
+    mpc.spacing[:], mpc.constants[:] = SPACING, GRAVITY
     return mpc, pilot
 
 

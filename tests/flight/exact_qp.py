@@ -92,7 +92,7 @@ def exact(mpc: Mpc) -> np.ndarray:
 def solution(mpc: Mpc) -> tuple[np.ndarray, np.ndarray]:
     """Inputs and planned states of the quadratic problem's solution, (N, 4) and (N + 1, 10): states eliminated, then DAQP."""
     linearised = dynamics.linearised_node_map()
-    h, low, high, gravity = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0], mpc.gravity[0, 0]
+    h, low, high, gravity = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0], mpc.constants[0, 0]
     states, inputs, reference = mpc.X[..., 0], mpc.U[..., 0], mpc.reference[..., 0]
     nodes = len(inputs)
     Q, R = stages.diagonal(mpc.weights[:, 0]), mpc.input_weights[:, 0]

@@ -19,7 +19,7 @@ def memory() -> Mpc:
     mpc = allocate_mpc(NODES, LANES, np.float64)
     for array in (mpc.X, mpc.U, mpc.reference):
         array[:] = np.arange(array.size).reshape(array.shape)
-    mpc.gravity[:] = 9.81
+    mpc.constants[:] = 9.81
     return mpc
 
 
@@ -46,7 +46,7 @@ def test_the_last_row_holds_for_ever(time, spacing):
     ("function", "arguments"),
     [
         (read_reference, (TABLE, PERIOD, 0.1, 0.02)),
-        (hover_inputs, ()),
+        (hover_inputs, (9.81,)),
         (plan_as_reference, ()),
         (respace_plan, (0.05, 0.07, 0.01)),
     ],
@@ -62,7 +62,7 @@ def test_other_lanes_keep_what_they_have(function, arguments):
 
 def test_hovering_takes_the_place_of_the_inputs_alone():
     mpc, before = memory(), memory()
-    hover_inputs.py_func(mpc, LANE)
+    hover_inputs.py_func(mpc, LANE, 9.81)
     assert_array_equal(mpc.reference[:, 10:, LANE], np.tile([9.81, 0, 0, 0], (NODES + 1, 1)))
     assert_array_equal(mpc.reference[:, :10], before.reference[:, :10])
 

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.controllers import ControllerKind
+from hotlap.controllers import TUNABLE
 from hotlap.course import Course
 from hotlap.errors import HotlapError
 from hotlap.flight.job import LOG_COLUMNS, Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.plant import autopilot_numbers, truth_of, vehicle_numbers
+from hotlap.flight.plant import autopilot_numbers, model_numbers, truth_of, vehicle_numbers
 from hotlap.flight.simulate import fly_queue
 from hotlap.parameters import Parameters
 from hotlap.race import PLANT_STEP, Race, ReferenceTime
@@ -129,7 +129,7 @@ def prepare(
     truths = truth_of(race.vehicle)[None] if truth is None else np.asarray(truth, dtype=np.float64)
     vehicles = vehicle_numbers(truths, race.vehicle.layout)
     spaced = np.array(parameters, dtype=np.float64)
-    if controller.kind is ControllerKind.MPC:
+    if TUNABLE[controller.kind].names[4:5] == ("horizon",):
         spaced[..., 4] *= controller.horizon_unit / controller.nodes  # [s] between nodes
     delay_steps = np.rint(truths[:, 21] / PLANT_STEP).astype(np.int64)
     in_period = round(controller.period / PLANT_STEP)
@@ -149,6 +149,7 @@ def prepare(
         delay_periods=delay_steps // in_period,
         delay_steps=delay_steps % in_period,
         autopilot=autopilot_numbers(race.believed),
+        believed=model_numbers(race.believed),
         log_rows=log_rows,
         logs=np.zeros((len(log), math.ceil(last / controller.period) + 2, LOG_COLUMNS)),
         queue=np.zeros(1, dtype=np.int64),

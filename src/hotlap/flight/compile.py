@@ -127,7 +127,7 @@ class _Translator:
 def translate(function: Any) -> Program:
     """A CasADi SX function with dense column arguments as a program.
 
-    Known are + - * / negation, squares, sqrt, sin, cos, exp, fmin, fmax, fabs, <, <= and if_else.
+    Known are + - * / negation, squares, sqrt, sin, cos, exp, fmin, fmax, fabs, sign, <, <= and if_else.
 
     Raises:
         HotlapError: names an operation that is not known.
@@ -164,6 +164,10 @@ def _translate_operation(out: _Translator, name: str, x: list[int], function: st
         return out.add("divide", out.add("constant", value=1.0), x[0])
     if name == "OP_FABS":
         return out.add("maximum", x[0], out.add("negate", x[0]))
+    if name == "OP_SIGN":
+        zero, one, minus = (out.add("constant", value=value) for value in (0.0, 1.0, -1.0))
+        below = out.add("select", out.add("less", x[0], zero), minus, zero)
+        return out.add("select", out.add("less", zero, x[0]), one, below)
     if name in ("OP_LT", "OP_LE"):
         condition = out.add("less" if name == "OP_LT" else "less_equal", *x)
         return out.add("select", condition, out.add("constant", value=1.0), out.add("constant", value=0.0))

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba import njit
 
 from hotlap.flight.job import Job, Settings
@@ -21,7 +23,7 @@ def begin_control(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
     """Set a lane up for a new flight."""
     for n in range(4):
         mpc.input_weights[n, k], mpc.low[n, k], mpc.high[n, k] = job.input_weights[n], job.low[n], job.high[n]
-    mpc.gravity[0, k] = s.gravity
+    mpc.constants[0, k] = s.gravity
 
 
 @njit(**INLINE)
@@ -48,7 +50,7 @@ def aim(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, k: int, flight: int, befo
     spacing = parameters[4]
     read_reference(mpc, k, job.table, s.table_period, ahead, spacing)
     if not s.feed_forward:
-        hover_inputs(mpc, k)
+        hover_inputs(mpc, k, s.gravity)
     pilot.shift[0, k] = 0
     if before == segment:
         pilot.shift[0, k] = min(elapsed / spacing, 1.0)
@@ -64,22 +66,38 @@ def aim(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, k: int, flight: int, befo
 
 
 @njit(**INLINE)
-def begin_plan(s: Settings, m: Mpc, p: Pilot) -> None:
-    """The warm start on all lanes: the plan moved on, from the state seen as it will be when the command acts."""
+def move_plan(m: Mpc, p: Pilot) -> None:
+    """The warm start on all lanes: the plan moves on with time."""
     for n in range(len(m.U)):
         for i in range(10):
             m.X[n, i] += p.shift[0] * (m.X[n + 1, i] - m.X[n, i])
     for n in range(len(m.U) - 1):
         for a in range(4):
             m.U[n, a] += p.shift[0] * (m.U[n + 1, a] - m.U[n, a])
-    predict(s, m.gravity, p)
-    for i in range(10):
-        m.X[0, i] = p.seen[i]
 
 
-@njit(**INLINE)
-def control(s: Settings, m: Mpc, p: Pilot) -> None:
-    """One control step on all lanes: from the state seen to the command, `history[0]`."""
-    begin_plan(s, m, p)
-    solve(m, s.sweeps, s.stop_early)
-    issue(p, m.U[0])
+def controls(predict: Any, solve: Any) -> tuple[Any, Any]:
+    """With a model's predictor and solver, two compiled functions of (settings, memory, pilot) on all lanes.
+
+    Returns:
+        The plan that a control step begins with, from the state seen as it will be when the command acts; and the whole step, from
+        the state seen to the command, `history[0]`.
+    """
+
+    @njit(**INLINE)
+    def begin_plan(s: Settings, m: Mpc, p: Pilot) -> None:
+        move_plan(m, p)
+        predict(s, m.constants, p)
+        for i in range(10):
+            m.X[0, i] = p.seen[i]
+
+    @njit(**INLINE)
+    def control(s: Settings, m: Mpc, p: Pilot) -> None:
+        begin_plan(s, m, p)
+        solve(m, s.sweeps, s.stop_early)
+        issue(p, m.U[0])
+
+    return begin_plan, control
+
+
+begin_plan, control = controls(predict, solve)

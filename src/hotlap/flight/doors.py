@@ -9,6 +9,7 @@ from hotlap.controllers import ControllerKind
 from hotlap.flight.control import aim, begin_control, control
 from hotlap.flight.geometric import aim_geometric, allocate_geometric, begin_geometric, control_geometric
 from hotlap.flight.mpc import allocate_mpc
+from hotlap.flight.own_model import allocate_own, begin_own, own_control
 
 
 class Door(NamedTuple):
@@ -29,5 +30,6 @@ class Door(NamedTuple):
 
 DOORS: Mapping[ControllerKind, Door] = {
     ControllerKind.MPC: Door(allocate_mpc, begin_control, aim, control),
+    ControllerKind.MPC_DRAG: Door(allocate_own, begin_own, aim, own_control("drag_node_map")),
     ControllerKind.GEOMETRIC: Door(allocate_geometric, begin_geometric, aim_geometric, control_geometric),
 }

@@ -117,7 +117,7 @@ def aim_geometric(job: Job, s: Settings, g: Geometric, pilot: Pilot, k: int, fli
     segment = job.row_segments[min(int(ahead / s.table_period + 1e-6), len(job.row_segments) - 1)]
     read_reference(g, k, job.table, s.table_period, ahead, 0.0)
     if not s.feed_forward:
-        hover_inputs(g, k)
+        hover_inputs(g, k, s.gravity)
     row = min(int(ahead / s.table_period + 1e-6), len(job.table) - 2)
     for i in range(3):
         g.acceleration[i, k] = (job.table[row + 1, 7 + i] - job.table[row, 7 + i]) / s.table_period

@@ -66,6 +66,7 @@ class Job(NamedTuple):
         vehicles: (B or 1, V) as `plant.vehicle_numbers` gives them.
         delay_periods, delay_steps: (B or 1,) dead time in control periods and, beyond them, in steps of the plant.
         autopilot: (A,).
+        believed: (M,) in the order of `dynamics_layout.MODEL`.
         log_rows: (B,) row in `logs`, -1 for a flight that is not logged.
         logs: (L, periods + 1, 21).
         queue: (1,) next flight that nobody flies yet.
@@ -82,6 +83,7 @@ class Job(NamedTuple):
     delay_periods: Any
     delay_steps: Any
     autopilot: Any
+    believed: Any
     log_rows: Any
     logs: Any
     queue: Any

@@ -25,6 +25,7 @@ SOURCES = (
     "hotlap.flight",
     "hotlap.dynamics",
     "hotlap.dynamics_layout",
+    "hotlap.linearisation",
     "hotlap.controllers",
     "hotlap.race",
     "hotlap.records",

@@ -6,6 +6,7 @@ done lane by lane, and as numbers (...), for what is done on all lanes at once.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,11 +52,11 @@ class Mpc(NamedTuple):
         input_weights: (4,) R.
         spacing: (1,) [s] time between nodes.
         low, high: (4,) bounds of the inputs.
-        gravity: (1,) [m/s^2].
+        constants: (V,) of the model, gravity [m/s^2] first; of the paper's model nothing else.
         inputs: (N, 4) of the present sweep.
         deviation: (N + 1, 9) of the present sweep from the plan.
         change: (2, 9) of the deviation, at two nodes.
-        jacobian: (N, 39) as in `dynamics.node_jacobian`.
+        jacobian: (N, J) of each node; of the paper's model as in `dynamics.node_jacobian`.
         gains, feed: (N, 36), (N, 4) policy.
         value, slope: (2, 45), (2, 9) P and p, at two nodes.
         scratch: of the backward stage.
@@ -71,7 +72,7 @@ class Mpc(NamedTuple):
     spacing: Any
     low: Any
     high: Any
-    gravity: Any
+    constants: Any
     inputs: Any
     deviation: Any
     change: Any
@@ -85,67 +86,84 @@ class Mpc(NamedTuple):
     unrest: Any
 
 
-def allocate_mpc(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Mpc:
-    """Raw memory, of one kind of float; what a lane without a flight computes with is 1."""
+def allocate_mpc(
+    nodes: int, lanes: int, kind: type[np.floating[Any]], *, constants: int = 1, jacobian: int = NODE_JACOBIAN, scratch: int = SCRATCH_SIZE
+) -> Mpc:
+    """Raw memory, of one kind of float; what a lane without a flight computes with is 1.
+
+    Args:
+        nodes: N.
+        lanes: how many flights it is for.
+        kind: of float.
+        constants: numbers that the model takes.
+        jacobian: numbers of a node's Jacobian.
+        scratch: numbers that the backward stage keeps.
+    """
     sizes = {
         "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (4,), "input_weights": (4,), "spacing": (1,),
-        "low": (4,), "high": (4,), "gravity": (1,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9), "change": (2, 9),
-        "jacobian": (nodes, NODE_JACOBIAN), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE), "slope": (2, 9),
-        "scratch": (SCRATCH_SIZE,), "is_open": (1,), "unrest": (2,),
+        "low": (4,), "high": (4,), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9), "change": (2, 9),
+        "jacobian": (nodes, jacobian), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE), "slope": (2, 9),
+        "scratch": (scratch,), "is_open": (1,), "unrest": (2,),
     }  # fmt: skip
     memory = Mpc(**{name: aligned_zeros((*size, lanes), kind) for name, size in sizes.items()})
-    for array in (memory.weights, memory.input_weights, memory.spacing, memory.X[:, 3], memory.reference[:, 3]):
+    for array in (memory.weights, memory.input_weights, memory.spacing, memory.constants, memory.X[:, 3], memory.reference[:, 3]):
         array.fill(1)
     return memory
 
 
-@njit(**COMPILE)
-def solve(m: Mpc, sweeps: int, stop_early: bool = True) -> None:
-    """Move the plan (X, U) to the solution of the quadratic problem around it.
+def solver(linearise: Callable[..., None], backward: Callable[..., None], forward: Callable[..., None]) -> Any:
+    """The solver with given stages, compiled: (memory, sweeps, stop_early) moves the plan (X, U) to the solution around it.
 
     A sweep that meets no bound is exact. Further ones change only lanes in which a bound was met and an input moved, so that no lane
     depends on its neighbours.
     """
-    nodes = len(m.U)
-    zero = number(m.X[0, 0], 0.0)
-    for i in range(9):
-        m.deviation[0, i] = zero
-    for n in range(nodes):
-        linearise(
-            m.X[n], m.U[n], m.X[n + 1], m.deviation[n], m.spacing, m.low, m.high, m.gravity, m.inputs[n], m.deviation[n + 1], m.jacobian[n]
-        )
-    m.is_open[0] = number(zero, 1.0)
-    for _ in range(sweeps):
-        _sweep(m)
-        m.is_open[0] = select(m.unrest[0] > AT_REST, select(m.unrest[1] > 0.5, m.is_open[0], zero), zero)
-        if stop_early and every(m.is_open[0] < 0.5):
-            break
-    for n in range(nodes + 1):
-        retract(m.X[n], m.deviation[n], m.X[n])
-    for n in range(nodes):
-        for a in range(4):
-            m.U[n, a] = m.inputs[n, a]
+
+    @njit(**COMPILE)
+    def sweep(m: Mpc) -> None:
+        nodes = len(m.U)
+        zero = number(m.X[0, 0], 0.0)
+        terminal(m.X[nodes], m.deviation[nodes], m.reference[nodes], m.weights, m.value[0], m.slope[0])
+        for n in range(nodes - 1, -1, -1):
+            now = (nodes - 1 - n) % 2
+            backward(
+                m.value[now], m.slope[now], m.jacobian[n], m.X[n], m.deviation[n], m.inputs[n], m.reference[n], m.weights,
+                m.input_weights, m.spacing, m.low, m.high, m.value[1 - now], m.slope[1 - now], m.gains[n], m.feed[n], m.scratch,
+            )  # fmt: skip
+        for i in range(9):
+            m.change[0, i] = zero
+        m.unrest[0] = zero
+        m.unrest[1] = zero
+        for n in range(nodes):
+            now = n % 2
+            forward(
+                m.jacobian[n], m.gains[n], m.feed[n], m.change[now], m.inputs[n], m.deviation[n + 1], m.spacing, m.low, m.high,
+                m.is_open, m.unrest, m.inputs[n], m.change[1 - now], m.deviation[n + 1], m.unrest,
+            )  # fmt: skip
+
+    @njit(**COMPILE)
+    def solve(m: Mpc, sweeps: int, stop_early: bool = True) -> None:
+        nodes = len(m.U)
+        zero = number(m.X[0, 0], 0.0)
+        for i in range(9):
+            m.deviation[0, i] = zero
+        for n in range(nodes):
+            linearise(
+                m.X[n], m.U[n], m.X[n + 1], m.deviation[n], m.spacing, m.low, m.high, m.constants,
+                m.inputs[n], m.deviation[n + 1], m.jacobian[n],
+            )  # fmt: skip
+        m.is_open[0] = number(zero, 1.0)
+        for _ in range(sweeps):
+            sweep(m)
+            m.is_open[0] = select(m.unrest[0] > AT_REST, select(m.unrest[1] > 0.5, m.is_open[0], zero), zero)
+            if stop_early and every(m.is_open[0] < 0.5):
+                break
+        for n in range(nodes + 1):
+            retract(m.X[n], m.deviation[n], m.X[n])
+        for n in range(nodes):
+            for a in range(4):
+                m.U[n, a] = m.inputs[n, a]
+
+    return solve
 
 
-@njit(**COMPILE)
-def _sweep(m: Mpc) -> None:
-    """Backward for the policy, forward for inputs and deviations."""
-    nodes = len(m.U)
-    zero = number(m.X[0, 0], 0.0)
-    terminal(m.X[nodes], m.deviation[nodes], m.reference[nodes], m.weights, m.value[0], m.slope[0])
-    for n in range(nodes - 1, -1, -1):
-        now = (nodes - 1 - n) % 2
-        backward(
-            m.value[now], m.slope[now], m.jacobian[n], m.X[n], m.deviation[n], m.inputs[n], m.reference[n], m.weights,
-            m.input_weights, m.spacing, m.low, m.high, m.value[1 - now], m.slope[1 - now], m.gains[n], m.feed[n], m.scratch,
-        )  # fmt: skip
-    for i in range(9):
-        m.change[0, i] = zero
-    m.unrest[0] = zero
-    m.unrest[1] = zero
-    for n in range(nodes):
-        now = n % 2
-        forward(
-            m.jacobian[n], m.gains[n], m.feed[n], m.change[now], m.inputs[n], m.deviation[n + 1], m.spacing, m.low, m.high,
-            m.is_open, m.unrest, m.inputs[n], m.change[1 - now], m.deviation[n + 1], m.unrest,
-        )  # fmt: skip
+solve = solver(linearise, backward, forward)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,8 +12,6 @@ from hotlap.flight.compile import compiled_dynamics
 from hotlap.flight.job import Settings
 from hotlap.flight.lanes import number
 from hotlap.flight.numbers import INLINE, aligned_zeros
-
-propagate = compiled_dynamics("node_map")
 
 
 class Pilot(NamedTuple):
@@ -46,16 +45,26 @@ def begin_pilot(s: Settings, pilot: Pilot, k: int) -> None:
     pilot.history[:, 0, k] = s.gravity
 
 
-@njit(**INLINE)
-def predict(s: Settings, gravity: Any, p: Pilot) -> None:
-    """Where the drone will be when the command acts: through the commands on their way, by the controller's own model."""
-    for n in range(s.predicted_periods, -1, -1):
-        duration = s.predicted_rest if n == s.predicted_periods else s.period
-        if duration > 0:
-            p.span[0] = number(p.seen[0], duration)
-            propagate(p.seen, p.history[n], p.span, gravity, p.predicted)
-            for i in range(10):
-                p.seen[i] = p.predicted[i]
+def predictor(propagate: Callable[..., None]) -> Any:
+    """With a model, the compiled (settings, constants of the model, pilot): where the drone will be when the command acts.
+
+    It goes through the commands that are on their way.
+    """
+
+    @njit(**INLINE)
+    def predict(s: Settings, constants: Any, p: Pilot) -> None:
+        for n in range(s.predicted_periods, -1, -1):
+            duration = s.predicted_rest if n == s.predicted_periods else s.period
+            if duration > 0:
+                p.span[0] = number(p.seen[0], duration)
+                propagate(p.seen, p.history[n], p.span, constants, p.predicted)
+                for i in range(10):
+                    p.seen[i] = p.predicted[i]
+
+    return predict
+
+
+predict = predictor(compiled_dynamics("node_map"))
 
 
 @njit(**INLINE)

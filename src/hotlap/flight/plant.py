@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hotlap.dynamics_layout import AUTOPILOT, DISTURBANCE, VEHICLE
+from hotlap.dynamics_layout import AUTOPILOT, DISTURBANCE, MODEL, VEHICLE
 from hotlap.errors import HotlapError
 from hotlap.flight.compile import compiled_dynamics
 from hotlap.flight.lanes import select
@@ -68,6 +68,11 @@ def autopilot_numbers(believed: Quadrotor) -> Floats:
     """What `dynamics.plant_step` takes for the rate loop, shape (A,): mass, inertia and mixer of what it takes the vehicle for."""
     mixer = np.linalg.inv(np.vstack([np.ones(4), believed.torque_matrix]))
     return np.concatenate([[believed.mass], believed.inertia_vector, mixer.ravel()])
+
+
+def model_numbers(believed: Quadrotor) -> Floats:
+    """What a controller's own model is given, shape (M,), in the order of `dynamics_layout.MODEL`."""
+    return np.concatenate([np.atleast_1d(getattr(believed, name)) for name in MODEL])
 
 
 class Craft(NamedTuple):

@@ -12,9 +12,10 @@ Weights Q are (p_xy, p_z, attitude, velocity); an attitude error is charged Q |q
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from hotlap.dynamics_layout import NODE_JACOBIAN
 from hotlap.flight.program import Number, Program, Tape, dot
 
 P_SIZE, GAIN_SIZE, SCRATCH_SIZE = 45, 36, 192  # lower triangle of 9 x 9; 4 x 9
@@ -36,7 +37,7 @@ def terminal_stage() -> Program:
     diagonal = _diagonal(weights)
     for i in range(9):
         tape.store(4, [0.0] * i + [diagonal[i]], triangle(i, 0))
-    tape.store(5, _state_gradient(diagonal, x, deviation, reference))
+    tape.store(5, state_gradient(diagonal, x, deviation, reference))
     return tape.program
 
 
@@ -45,17 +46,27 @@ def backward_stage() -> Program:
 
     P+ and p+ are of the next node and may not be P and p. The policy is u + k + K e, e the change of the deviation.
     """
-    return _Backward().build()
+    return Backward().build()
 
 
-def forward_stage() -> Program:
+def follow_structured(c: Sequence[Number], e: Sequence[Number], changes: Sequence[Number], h: Number) -> list[Number]:
+    """The change of the next deviation by that of this one and of the input: [A B] (e, change)."""
+    speed = [dot(c[18 + 7 * i : 25 + 7 * i], [*e[3:6], *changes]) for i in range(3)]
+    return [
+        *(e[i] + h * (e[6 + i] + 0.5 * speed[i]) for i in range(3)),
+        *(dot([*c[3 * i : 3 * i + 3], *c[9 + 3 * i : 12 + 3 * i]], [*e[3:6], *changes[1:]]) for i in range(3)),
+        *(e[6 + i] + speed[i] for i in range(3)),
+    ]
+
+
+def forward_stage(follow: Callable[..., list[Number]] = follow_structured, jacobian_size: int = NODE_JACOBIAN) -> Program:
     """(C, K, k, e, u, deviation+, h, low, high, open, unrest) -> u, e+, deviation+, unrest.
 
     Lanes that are not open keep their input and deviation bit for bit. `unrest` is what the sweep did so far: the largest change of
     an input, and 1 if one of them is at a bound.
     """
     tape = Tape()
-    sizes = (39, GAIN_SIZE, 4, 9, 4, 9, 1, 4, 4, 1, 2)
+    sizes = (jacobian_size, GAIN_SIZE, 4, 9, 4, 9, 1, 4, 4, 1, 2)
     c, gains, feed, e, u, deviation, (h,), low, high, (is_open,), (moved, bound) = (tape.array(k, size) for k, size in enumerate(sizes))
     moves = is_open > 0.5
     inputs, changes = [], []
@@ -67,12 +78,7 @@ def forward_stage() -> Program:
         changes.append(inputs[a] - u[a])
         moved = moved.maximum(changes[a].maximum(-changes[a]))
         bound = ((bounded <= low[a]) | (bounded >= high[a])).where(1.0, bound)
-    speed = [dot(c[18 + 7 * i : 25 + 7 * i], e[3:6] + changes) for i in range(3)]
-    following = [
-        *(e[i] + h * (e[6 + i] + 0.5 * speed[i]) for i in range(3)),
-        *(dot(c[3 * i : 3 * i + 3] + c[9 + 3 * i : 12 + 3 * i], e[3:6] + changes[1:]) for i in range(3)),
-        *(e[6 + i] + speed[i] for i in range(3)),
-    ]
+    following = follow(c, e, changes, h)
     tape.store(11, inputs)
     tape.store(12, following)
     tape.store(13, [deviation[i] + following[i] for i in range(9)])
@@ -86,7 +92,7 @@ def _diagonal(weights: Sequence[Number]) -> list[Number]:
     return [xy, xy, z, *[0.25 * attitude] * 3, *[velocity] * 3]
 
 
-def _state_gradient(diagonal: Sequence[Number], x: Sequence[Number], deviation: Sequence[Number], r: Sequence[Number]) -> list[Number]:
+def state_gradient(diagonal: Sequence[Number], x: Sequence[Number], deviation: Sequence[Number], r: Sequence[Number]) -> list[Number]:
     """Q (x + deviation - reference) in tangent coordinates."""
     a, b = x[3:7], r[3:7]
     error = [
@@ -101,20 +107,26 @@ def _state_gradient(diagonal: Sequence[Number], x: Sequence[Number], deviation: 
     ]
 
 
-class _Backward:
+class Backward:
     """The backward stage in sections: each ends with what later ones need back in memory (`scratch`)."""
+
+    jacobian_size, scratch_size = NODE_JACOBIAN, SCRATCH_SIZE
 
     def __init__(self) -> None:
         self.tape = tape = Tape()
-        sizes = (P_SIZE, 9, 39, 10, 9, 4, 14, 4, 4, 1, 4, 4)
+        sizes = (P_SIZE, 9, self.jacobian_size, 10, 9, 4, 14, 4, 4, 1, 4, 4)
         self.P, self.p, c, self.x, self.deviation, self.u, self.r, weights, self.R, (self.h,), self.low, self.high = (
             tape.array(k, size) for k, size in enumerate(sizes)
         )
         self.Q = _diagonal(weights)
         self.half = 0.5 * self.h
+        self._unpack(c)
+        self.used = 0
+
+    def _unpack(self, c: Sequence[Number]) -> None:
+        """The Jacobian's parts."""
         self.Cv = [c[18 + 7 * i : 25 + 7 * i] for i in range(3)]
         self.Ct = [[*c[3 * i : 3 * i + 3], None, *c[9 + 3 * i : 12 + 3 * i]] for i in range(3)]  # the thrust turns nothing
-        self.used = 0
 
     def build(self) -> Program:
         """All sections in turn."""
@@ -129,7 +141,7 @@ class _Backward:
         """Put values into the scratch memory."""
         kept = self.tape.store(16, values, self.used)
         self.used += len(values)
-        assert self.used <= SCRATCH_SIZE  # noqa: S101  our own mistake
+        assert self.used <= self.scratch_size  # noqa: S101  our own mistake
         return kept
 
     def _value(self, i: int, j: int) -> Number:
@@ -196,7 +208,7 @@ class _Backward:
         turn = {**self._congruence((0,), (0, 1, 2)), **self._congruence((1,), (1, 2)), **self._congruence((2,), (2,))}
         turn_entries = [turn[i, j] + self.Q[3] if i == j else turn[i, j] for i in range(3) for j in range(i + 1)]
         self.Q_theta = self._keep(turn_entries)
-        gradient_x = _state_gradient(self.Q, self.x, self.deviation, self.r)
+        gradient_x = state_gradient(self.Q, self.x, self.deviation, self.r)
         ahead = [*self.p[:3], *self.Cp[:3], *(self.p[6 + i] + self.h * self.p[i] for i in range(3))]
         self.Qx = self._keep([ahead[i] + gradient_x[i] for i in range(9)])
         Y_v = [self._keep([self.Wh[j][3 + a] + self.half * self.W[j][3 + a] for j in range(3)]) for a in range(4)]

@@ -33,10 +33,10 @@ def read_reference(m: Any, lane: int, table: np.ndarray, period: float, time: fl
 
 
 @njit(**INLINE)
-def hover_inputs(m: Any, lane: int) -> None:
+def hover_inputs(m: Any, lane: int, gravity: float) -> None:
     """The inputs of hovering in place of the reference's."""
     for n in range(len(m.reference)):
-        m.reference[n, 10, lane] = m.gravity[0, lane]
+        m.reference[n, 10, lane] = gravity
         for a in range(11, 14):
             m.reference[n, a, lane] = 0
 
