@@ -48,8 +48,8 @@ def _world(parser: Parser) -> None:
 
 
 def _controller(parser: Parser) -> None:
-    kinds = one_of("controller", ("mpc", "geometric"))
-    parser.add_argument("--controller", type=kinds, metavar="KIND", help="mpc or geometric (default: the race's)")
+    kinds = one_of("controller", ("mpc", "mpc_drag", "geometric"))
+    parser.add_argument("--controller", type=kinds, metavar="KIND", help="mpc, mpc_drag or geometric (default: the race's)")
 
 
 def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
@@ -103,6 +103,22 @@ def _fly(parser: Parser) -> None:
     add("--log", type=path, metavar="FILE", help="write the first flight as CSV, step by step")
 
 
+def _compare(parser: Parser) -> None:
+    add = parser.add_argument
+    add("races", nargs="+", metavar="RACE", help="built-in races (hotlap races) or TOML files")
+    names = "guided_walk,metropolis_hastings,cma_es,random_search"
+    add("--tuners", default=names, metavar="A,B", help=f"NAME or NAME:PRESET of each (default: {names})")
+    add("--seeds", type=whole, default=10, metavar="N", help="runs of each tuner on each race (default: 10)")
+    add("--budget", default="200", metavar="N", help="flights of a run, re-flights included: 200,cma_es=1000 (default: 200)")
+    add("--out", type=path, required=True, metavar="DIR", help="folder of the comparison, begun or gone on with")
+    add("--goal", default="completion=1", help=f"when a run stops: {GOALS} (default: completion=1)")
+    add("--confirmations", type=whole, default=4, metavar="N", help="re-flights that a candidate must pass (default: 4)")
+    add("--validation", type=whole, default=50, metavar="N", help="flights of each result with fresh noise (default: 50)")
+    add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
+    _controller(parser)
+    _world(parser)
+
+
 def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
@@ -133,6 +149,16 @@ COMMANDS: Mapping[str, Command] = {
         "command with --out goes on where it was interrupted. Exits with 1 when the goal was not confirmed within the budget.",
         _tune,
         ("hotlap tune circle-34", "hotlap tune my-race.toml --budget 500 --out runs/mine", 'hotlap tune split-s --goal "mean_error<0.3"'),
+    ),
+    "compare": Command(
+        "compare tuners on equal terms",
+        "Run tuners on races with the same first guess, budget, seeds and noise, and say how they did: tables, curves, a profile.\n"
+        "Every run is kept when it has ended; the same command goes on where it was interrupted.",
+        _compare,
+        (
+            "hotlap compare drop-20 flip-16 --out runs/compared",
+            "hotlap compare my-race.toml --tuners guided_walk,cma_es:tied --seeds 20 --out runs/mine",
+        ),
     ),
     "fly": Command(
         "fly parameters again",

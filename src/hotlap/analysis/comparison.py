@@ -1,0 +1,225 @@
+"""Comparison: every tuner on every race with the same first guess, budget, seeds and noise; all seeds of a cell in lockstep."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap import tuners, worlds
+from hotlap.configuration import Configuration
+from hotlap.course import Course
+from hotlap.objective import Objective
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.preparation import prepare
+from hotlap.race import Race
+from hotlap.records import Scores
+from hotlap.tuners.tuner import Tuner
+from hotlap.tuning import Batch, Tuning, TuningSettings, course_for, tune_together
+from hotlap.worlds.built_in import BuiltIn
+
+VALIDATION = 50  # flights of a run's result
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A tuner on a race, with some seeds.
+
+    Attributes:
+        race: what is flown.
+        tuner: algorithm with preset.
+        settings: of all its runs, but for the seed.
+        seeds: of the runs.
+        world: where.
+        threads: of the world; 0 for one a processor.
+    """
+
+    race: Race
+    tuner: str
+    settings: TuningSettings
+    seeds: tuple[int, ...]
+    world: str = worlds.DEFAULT
+    threads: int = 1
+
+    @property
+    def key(self) -> str:
+        """Changes whenever something changes that decides about a run, its seed apart."""
+        tuner = tuners.build(self.tuner)
+        course = course_for(prepare(self.race), tuner)
+        first, goal = course.space.first_guess(len(course.segments)), self.settings.goal
+        fingerprint = Configuration(course, self.world, goal.metric, tuner.name, self.settings, first).fingerprint
+        return f"{fingerprint}-{self.settings.budget}"
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a tuner on a race, from the first guess to its validation.
+
+    Attributes:
+        race: its name.
+        tuner: algorithm with preset.
+        seed: of the run.
+        budget: flights that it was given.
+        flights: that it took, re-flights included.
+        search_flights: without re-flights, up to the confirmed candidate.
+        confirmed: whether there was one.
+        completion: mean over the flights of the best candidate.
+        cost: likewise.
+        lap_time: [s] likewise, over its complete flights; NaN without any.
+        successes: of the validation.
+        validation: its flights.
+        tuner_time: [s] of the processor that the tuner itself took.
+        curve: (flights, completion of the best candidate so far) wherever that changed.
+    """
+
+    race: str
+    tuner: str
+    seed: int
+    budget: int
+    flights: int
+    search_flights: int
+    confirmed: bool
+    completion: float
+    cost: float
+    lap_time: float
+    successes: int
+    validation: int
+    tuner_time: float
+    curve: tuple[tuple[int, float], ...]
+
+    @property
+    def validated(self) -> float:
+        """Share of the validation that succeeded, 0 to 1; 0 without one."""
+        return self.successes / self.validation if self.validation else 0.0
+
+    def completion_at(self, flights: int) -> float:
+        """Completion of the best candidate after so many flights, 0 before the first."""
+        known = [completion for when, completion in self.curve if when <= flights]
+        return known[-1] if known else 0.0
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON."""
+        plain = {**vars(self), "curve": [list(point) for point in self.curve]}
+        return {key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in plain.items()}
+
+    @staticmethod
+    def load(plain: Mapping[str, Any]) -> Run:
+        """The inverse of `dump`."""
+        worst = {"cost": float("inf"), "lap_time": float("nan")}
+        values = {key: worst[key] if value is None else value for key, value in plain.items()}
+        return Run(**{**values, "curve": tuple((int(when), float(completion)) for when, completion in plain["curve"])})
+
+
+class Timed:
+    """A tuner with a clock: processor time spent in it, on one thread."""
+
+    def __init__(self, tuner: Tuner) -> None:
+        self._tuner = tuner
+        self.name, self.settings, self.spent = tuner.name, tuner.settings, 0.0
+
+    def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
+        """As the tuner."""
+        self._tuner.start(first_guess, space, rng)
+
+    def ask(self, n: int) -> Parameters:
+        """As the tuner, on the clock."""
+        start = time.thread_time()
+        asked = self._tuner.ask(n)
+        self.spent += time.thread_time() - start
+        return asked
+
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
+        """As the tuner, on the clock."""
+        start = time.thread_time()
+        accepted = self._tuner.tell(parameters, scores)
+        self.spent += time.thread_time() - start
+        return accepted
+
+    def state(self) -> dict[str, Any]:
+        """None: a run of a comparison begins anew if it is interrupted, and keeping the state of thousands would take long."""
+        return {}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Refused: there is nothing to go on from."""
+        raise NotImplementedError
+
+
+@dataclass
+class _Progress:
+    """What is kept of a run while it lasts."""
+
+    tuning: Tuning
+    tuner: Timed
+    curve: list[tuple[int, float]] = field(default_factory=list)
+
+    def follow(self, batch: Batch) -> None:
+        """Note the best candidate if its completion is another than before."""
+        if not self.curve or self.curve[-1][1] != batch.best.completion:
+            self.curve.append((batch.flights, batch.best.completion))
+
+
+def fly_cell(cell: Cell) -> Iterator[Run]:
+    """The runs of a cell, as they end."""
+    course = course_for(prepare(cell.race), tuners.build(cell.tuner))
+    world = BuiltIn(threads=cell.threads) if cell.world == worlds.DEFAULT else worlds.build(cell.world)
+    objective = Objective(course, world, cell.settings.goal.metric)
+    runs = [_begin(cell, course, seed) for seed in cell.seeds]
+    for i, batch in tune_together(objective, [run.tuning for run in runs]):
+        runs[i].follow(batch)
+        if batch.done:
+            yield _end(cell, cell.seeds[i], batch, runs[i])
+
+
+def _begin(cell: Cell, course: Course, seed: int) -> _Progress:
+    """A run that has not flown yet."""
+    tuner = Timed(tuners.build(cell.tuner))
+    settings = TuningSettings(**{**vars(cell.settings), "seed": seed})
+    return _Progress(Tuning(tuner, course, settings), tuner)
+
+
+def _end(cell: Cell, seed: int, batch: Batch, progress: _Progress) -> Run:
+    """What became of a run."""
+    validation = batch.validation
+    return Run(
+        race=cell.race.name,
+        tuner=progress.tuner.name,
+        seed=seed,
+        budget=cell.settings.budget,
+        flights=batch.flights,
+        search_flights=batch.search_flights,
+        confirmed=batch.best.confirmed,
+        completion=batch.best.completion,
+        cost=batch.best.cost,
+        lap_time=batch.best.lap_time,
+        successes=validation.successes if validation else 0,
+        validation=validation.flights if validation else 0,
+        tuner_time=progress.tuner.spent,
+        curve=tuple(progress.curve),
+    )
+
+
+def budget_of(tuner: str, budgets: Mapping[str, int]) -> int:
+    """The flights that a tuner is given: those of its name with preset, of its algorithm, or of all (under "")."""
+    algorithm = tuner.partition(":")[0]
+    return budgets.get(tuner, budgets.get(algorithm, budgets[""]))
+
+
+def missing(cells: Sequence[Cell], done: Mapping[tuple[str, int], Run], split: int = 1) -> list[Cell]:
+    """The cells with the seeds that are not done, those with the largest budget first; each in so many parts.
+
+    Args:
+        cells: all that is asked for.
+        done: runs by key of their cell and seed.
+        split: parts of a cell, so that there is work for every process.
+    """
+    open_cells = []
+    for cell in sorted(cells, key=lambda cell: -cell.settings.budget):
+        key = cell.key
+        seeds = [seed for seed in cell.seeds if (key, seed) not in done]
+        parts = [seeds[k::split] for k in range(split)]
+        open_cells += [Cell(cell.race, cell.tuner, cell.settings, tuple(part), cell.world, cell.threads) for part in parts if part]
+    return open_cells

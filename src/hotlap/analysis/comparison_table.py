@@ -1,0 +1,183 @@
+"""What a comparison says: a row for each tuner on each race, and over all races."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.analysis.comparison import Run
+from hotlap.analysis.statistics import bootstrap_interval, means, medians, performance_profile, performance_ratios, quartiles
+from hotlap.validation import wilson_interval
+
+Floats = NDArray[np.float64]
+Interval = tuple[float, float]
+
+CHECKPOINTS = (50, 200, 1000)  # flights at which completion is looked at
+ALL = "all races"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A tuner on a race; a run that never confirmed a candidate took infinitely many flights.
+
+    Attributes:
+        race: its name, or `ALL`.
+        tuner: algorithm with preset.
+        runs: how many.
+        budget: flights of a run, re-flights included.
+        success_rate: share of runs that confirmed a candidate.
+        success_interval: Wilson's 95 % interval.
+        validated_rate: share of successes in validation, mean over runs.
+        validated_interval: 95 %, by resampling runs.
+        flights_quartiles: of the search flights to the confirmed candidate, re-flights left out: the paper's count.
+        flights_interval: 95 % of the median, by resampling runs.
+        all_flights_median: the same with re-flights.
+        completions: mean completion of the best candidate after each of `CHECKPOINTS` that is within the budget.
+        completion_median: of the best candidate at the end.
+        lap_time_median: [s] of the runs that have one; NaN without any.
+        tuner_time: [s] of the tuner itself for each flight.
+    """
+
+    race: str
+    tuner: str
+    runs: int
+    budget: int
+    success_rate: float
+    success_interval: Interval
+    validated_rate: float
+    validated_interval: Interval
+    flights_quartiles: tuple[float, float, float]
+    flights_interval: Interval
+    all_flights_median: float
+    completions: tuple[tuple[int, float], ...]
+    completion_median: float
+    lap_time_median: float
+    tuner_time: float
+
+    @property
+    def flights_median(self) -> float:
+        """Search flights of half of the runs."""
+        return self.flights_quartiles[1]
+
+    def dump(self) -> dict[str, Any]:
+        """As plain values."""
+        plain = asdict(self)
+        return {**plain, "completions": {str(when): value for when, value in self.completions}, "flights_median": self.flights_median}
+
+
+def rows_of(runs: Iterable[Run]) -> list[Row]:
+    """A row for each race and tuner, in the order in which they first occur."""
+    groups: dict[tuple[str, str], list[Run]] = {}
+    for run in runs:
+        groups.setdefault((run.race, run.tuner), []).append(run)
+    return [summarise(race, tuner, group) for (race, tuner), group in groups.items()]
+
+
+def overall(runs: Iterable[Run]) -> list[Row]:
+    """A row for each tuner over all its runs, the best first: by success, then by median flights."""
+    groups: dict[str, list[Run]] = {}
+    for run in runs:
+        groups.setdefault(run.tuner, []).append(run)
+    rows = [summarise(ALL, tuner, group) for tuner, group in groups.items()]
+    return sorted(rows, key=lambda row: (-row.success_rate, row.flights_median, -row.validated_rate))
+
+
+def summarise(race: str, tuner: str, runs: Sequence[Run]) -> Row:
+    """One row; at least one run."""
+    confirmed, validated = sum(run.confirmed for run in runs), np.array([run.validated for run in runs])
+    budget, flights = max(run.budget for run in runs), search_flights(runs)
+    laps = [run.lap_time for run in runs if math.isfinite(run.lap_time)]
+    whole = np.array([run.flights if run.confirmed else np.inf for run in runs])
+    at = [(when, float(np.mean([run.completion_at(when) for run in runs]))) for when in CHECKPOINTS if when <= budget]
+    return Row(
+        race=race,
+        tuner=tuner,
+        runs=len(runs),
+        budget=budget,
+        success_rate=confirmed / len(runs),
+        success_interval=wilson_interval(confirmed, len(runs)),
+        validated_rate=float(validated.mean()),
+        validated_interval=bootstrap_interval(validated, means),
+        flights_quartiles=quartiles(flights),
+        flights_interval=bootstrap_interval(flights, medians),
+        all_flights_median=quartiles(whole)[1],
+        completions=tuple(at),
+        completion_median=float(np.median([run.completion for run in runs])),
+        lap_time_median=float(np.median(laps)) if laps else float("nan"),
+        tuner_time=sum(run.tuner_time for run in runs) / max(sum(run.flights for run in runs), 1),
+    )
+
+
+def search_flights(runs: Sequence[Run]) -> Floats:
+    """Of each run, infinite where no candidate was confirmed."""
+    return np.array([run.search_flights if run.confirmed else np.inf for run in runs])
+
+
+def profiles(runs: Sequence[Run], factors: Floats) -> Mapping[str, Floats]:
+    """Performance profiles: for each tuner, the share of (race, seed) that it solved within a factor of the fastest tuner there.
+
+    Args:
+        runs: of all tuners; a problem that some tuner has not flown is left out.
+        factors: shape (F,), each at least 1.
+
+    Returns:
+        Shape (F,) for each tuner.
+    """
+    flights = {(run.tuner, run.race, run.seed): run.search_flights if run.confirmed else np.inf for run in runs}
+    names = list(dict.fromkeys(run.tuner for run in runs))
+    met = dict.fromkeys((run.race, run.seed) for run in runs)
+    problems = [problem for problem in met if all((name, *problem) in flights for name in names)]
+    if not problems:
+        return {name: np.zeros(len(factors)) for name in names}
+    costs = np.array([[flights[name, *problem] for problem in problems] for name in names])
+    shares = performance_profile(performance_ratios(costs), factors)
+    return dict(zip(names, shares, strict=True))
+
+
+def completion_band(
+    runs: Sequence[Run], flights: NDArray[np.int64], lower: float = 0.25, upper: float = 0.75
+) -> tuple[Floats, Floats, Floats]:
+    """Quantile, median and quantile over runs of the best candidate's completion, each of shape (F,), after so many flights."""
+    values = np.array([[run.completion_at(int(when)) for when in flights] for run in runs])
+    return np.quantile(values, lower, axis=0), np.median(values, axis=0), np.quantile(values, upper, axis=0)
+
+
+COLUMNS: Mapping[str, Callable[[Row], str]] = {
+    "race": lambda row: row.race,
+    "tuner": lambda row: row.tuner,
+    "runs": lambda row: str(row.runs),
+    "confirmed %": lambda row: _share(row.success_rate, row.success_interval),
+    "validated %": lambda row: _share(row.validated_rate, row.validated_interval),
+    "flights [quartiles]": lambda row: (
+        f"{_count(row.flights_median)} [{_count(row.flights_quartiles[0])}, {_count(row.flights_quartiles[2])}]"
+    ),
+    "with re-flights": lambda row: _count(row.all_flights_median),
+    "completion % at 50 / 200 / 1000": lambda row: " / ".join(f"{100 * value:.0f}" for _, value in row.completions),
+    "lap s": lambda row: f"{row.lap_time_median:.2f}" if math.isfinite(row.lap_time_median) else "-",
+    "ms/flight": lambda row: f"{1e3 * row.tuner_time:.2g}",
+}
+
+
+def cells_of(rows: Iterable[Row]) -> list[list[str]]:
+    """A table for people, with its header."""
+    return [list(COLUMNS), *([show(row) for show in COLUMNS.values()] for row in rows)]
+
+
+def markdown(rows: Iterable[Row]) -> str:
+    """The same as Markdown."""
+    header, *body = cells_of(rows)
+    lines = [f"| {' | '.join(cells)} |" for cells in (header, ["---"] * len(header), *body)]
+    return "\n".join(lines) + "\n"
+
+
+def _share(share: float, interval: Interval) -> str:
+    return f"{100 * share:.0f} [{100 * interval[0]:.0f}, {100 * interval[1]:.0f}]"
+
+
+def _count(value: float) -> str:
+    return f"{value:.0f}" if math.isfinite(value) else "-"

@@ -1,0 +1,162 @@
+"""`hotlap compare RACE...`: tuners on equal terms: same first guess, budget, seeds and noise."""
+
+from __future__ import annotations
+
+import shlex
+from argparse import Namespace
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from hotlap import tuners, worlds
+from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cell, missing
+from hotlap.analysis.comparison_table import cells_of, markdown, overall, rows_of
+from hotlap.analysis.runs_file import RunsFile
+from hotlap.cli.flying import make_ready
+from hotlap.cli.output import Plain, note, present, table, working
+from hotlap.cli.progress import INTERVAL, Rate
+from hotlap.cli.stopping import remark
+from hotlap.controllers import ControllerKind
+from hotlap.errors import HotlapError, InputError, StudyError
+from hotlap.executor import spread
+from hotlap.files import load_race
+from hotlap.goal import parse_goal
+from hotlap.preparation import prepare
+from hotlap.race import Race
+from hotlap.tuning import TuningSettings
+
+TABLE = "table.md"
+
+
+def run(options: Namespace) -> int:
+    """Fly what is missing, and say how the tuners did."""
+    cells = _cells(options)
+    folder: Path = options.out
+    if folder.exists() and not folder.is_dir():
+        raise StudyError(str(folder), "", "is a file, not the folder of a comparison")
+    with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'compare', *options.arguments])}"):
+        with RunsFile(folder).opened() as kept:
+            _fly(cells, kept, options)
+        keys = {cell.key: cell for cell in cells}
+        runs = [kept.done[key, seed] for key, cell in keys.items() for seed in cell.seeds]
+        pictures = _write(folder, runs)
+    rows, summary = rows_of(runs), overall(runs)
+    document = {
+        "races": list(dict.fromkeys(cell.race.name for cell in cells)),
+        "tuners": list(dict.fromkeys(cell.tuner for cell in cells)),
+        "budget": {cell.tuner: cell.settings.budget for cell in cells},
+        "seeds": options.seeds,
+        "rows": [row.dump() for row in rows],
+        "overall": [row.dump() for row in summary],
+        "folder": str(folder),
+        "pictures": [str(path) for path in pictures],
+    }
+    right = range(2, 9)
+    lines = [*table(cells_of(rows), right=right), "", *table(cells_of(summary), right=right), "", f"{folder / TABLE}"]
+    present(as_json=options.json, document=document, lines=[*lines, *map(str, pictures)])
+    return 0
+
+
+def _cells(options: Namespace) -> list[Cell]:
+    """Every tuner on every race; checks all that was asked for, and plans."""
+    names = [tuners.build(name).name for name in options.tuners.split(",")]
+    budgets = _budgets(options.budget)
+    if options.seeds < 1:
+        raise InputError("--seeds", "", f"must be at least 1, not {options.seeds}")
+    if options.jobs < 0:
+        raise InputError("--jobs", "", f"must not be negative, not {options.jobs}")
+    world = worlds.build(options.on)
+    same = {"goal": parse_goal(options.goal), "reliability": 0.0, "validation": options.validation, "confirmations": options.confirmations}
+    settings = {name: TuningSettings(budget=budget_of(name, budgets), **same) for name in names}
+    seeds = tuple(range(options.seeds))
+    races = [_race(name, options) for name in options.races]
+    for race in races:
+        with working(f"planning {race.name}"):
+            course = prepare(race)
+        make_ready(world, course)
+    return [Cell(race, name, settings[name], seeds, world.name) for race in races for name in dict.fromkeys(names)]
+
+
+def _race(name: str, options: Namespace) -> Race:
+    """A race with the controller that was asked for."""
+    race = load_race(name)
+    return race if options.controller is None else race.with_controller(ControllerKind(options.controller))
+
+
+def _budgets(text: str) -> Mapping[str, int]:
+    """`200,cma_es=1000`: flights for all, and for some algorithms or presets."""
+    budgets = {"": 200}
+    for part in text.split(","):
+        name, separator, number = part.rpartition("=")
+        try:
+            budgets[tuners.build(name).name if ":" in name else name] = int(number)
+        except ValueError:
+            raise InputError("--budget", "", f"must be like 200,cma_es=1000, not '{part}'") from None
+        if separator and ":" not in name:
+            tuners.build(name)
+    return budgets
+
+
+def _fly(cells: Sequence[Cell], kept: RunsFile, options: Namespace) -> None:
+    """Fly what is missing, and keep every run as it ends."""
+    keys = {(cell.race.name, cell.tuner): cell.key for cell in cells}
+    wanted = sum(len(cell.seeds) for cell in cells)
+    pieces = missing(cells, kept.done, split=1 if len(cells) > 3 else 2)
+    before = wanted - sum(len(piece.seeds) for piece in pieces)
+    if before:
+        note(f"{kept.path}: {before} of {wanted} runs are there already")
+    with _progress(wanted, before) as watch:
+        for piece, run in spread(fly_cell, pieces, options.jobs):
+            kept.add(keys[piece.race.name, piece.tuner], run)
+            watch(run)
+
+
+@contextmanager
+def _progress(wanted: int, done: int) -> Iterator[Any]:
+    """Show runs as they end: a bar on a terminal, else a line every few seconds."""
+    console, rate, flown = Plain(stderr=True), Rate(0), 0
+    if console.is_terminal:
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[state]}"),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=console, transient=True) as progress:
+            task = progress.add_task("runs", total=wanted, completed=done, state="")
+
+            def watch(run: Run) -> None:
+                nonlocal flown
+                flown += run.flights + run.validation
+                progress.update(task, advance=1, state=f"{run.race}, {run.tuner}, {rate(flown)}")
+
+            yield watch
+        return
+    import time  # noqa: PLC0415
+
+    last = time.monotonic()
+
+    def say(run: Run) -> None:
+        nonlocal flown, done, last
+        flown, done = flown + run.flights + run.validation, done + 1
+        if time.monotonic() - last >= INTERVAL or done == wanted:
+            last = time.monotonic()
+            note(f"{done} of {wanted} runs, now {run.race} by {run.tuner}, {rate(flown)}")
+
+    yield say
+
+
+def _write(folder: Path, runs: Sequence[Run]) -> tuple[Path, ...]:
+    """The tables and pictures."""
+    (folder / TABLE).write_text(f"{markdown(overall(runs))}\n{markdown(rows_of(runs))}", encoding="utf-8")
+    from hotlap.report.comparison import draw_comparison  # noqa: PLC0415  matplotlib takes half a second to load
+
+    try:
+        return draw_comparison(folder, runs)
+    except (HotlapError, OSError) as error:
+        note(f"note: no pictures: {error}")
+        return ()

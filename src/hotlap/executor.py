@@ -1,0 +1,125 @@
+"""Executor: independent pieces of work over processes, whose results come back as soon as each is there.
+
+The workers of `concurrent.futures` give one result a piece, and outlive a parent that was killed; these give many, and go with it.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any, TypeVar
+
+Piece = TypeVar("Piece")
+Item = TypeVar("Item")
+
+_ITEM, _END, _ERROR = range(3)
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")  # of linear algebra, in a worker
+
+
+def spread(work: Callable[[Piece], Iterable[Item]], pieces: Sequence[Piece], processes: int = 0) -> Iterator[tuple[Piece, Item]]:
+    """Do all pieces of work, several at a time.
+
+    Args:
+        work: gives the results of a piece, one after the other; a function of a module, so that workers can find it.
+        pieces: in the order in which they are begun.
+        processes: how many; 0 for one a processor, 1 for none beside this one.
+
+    Yields:
+        A piece and a result of it, in the order in which they arrive.
+
+    Raises:
+        Exception: what a piece of work raised; the others are stopped.
+    """
+    crew = min(processes or os.cpu_count() or 1, len(pieces))
+    if crew <= 1:
+        for piece in pieces:
+            for item in work(piece):
+                yield piece, item
+        return
+    with _workers(work, crew) as workers:
+        yield from _serve(workers, deque(enumerate(pieces)), pieces)
+
+
+def _serve(workers: Sequence[Connection], waiting: deque[tuple[int, Any]], pieces: Sequence[Any]) -> Iterator[tuple[Any, Any]]:
+    """Hand out pieces, collect results."""
+    busy = set()
+    for worker in workers:
+        worker.send(waiting.popleft())
+        busy.add(worker)
+    while busy:
+        for worker in wait(list(busy)):
+            assert isinstance(worker, Connection)  # noqa: S101  what it was given
+            try:
+                kind, index, content = worker.recv()
+            except EOFError:
+                raise RuntimeError("a worker process has died, perhaps for want of memory") from None
+            if kind == _ERROR:
+                raise content
+            if kind == _ITEM:
+                yield pieces[index], content
+            elif waiting:
+                worker.send(waiting.popleft())
+            else:
+                busy.discard(worker)
+
+
+@contextmanager
+def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[Connection]]:
+    """Processes that wait for pieces; when it ends, in whatever way, so do they."""
+    context = multiprocessing.get_context("spawn")
+    processes: list[BaseProcess] = []
+    ours: list[Connection] = []
+    try:
+        with _one_thread_each():
+            for _ in range(crew):
+                mine, theirs = context.Pipe()
+                process = context.Process(target=_labour, args=(work, theirs), daemon=True)
+                process.start()
+                theirs.close()
+                processes.append(process)
+                ours.append(mine)
+        yield ours
+    finally:
+        for connection in ours:
+            connection.close()
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.join()
+
+
+def _labour(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
+    """A worker's life: it ends with its parent's end of the pipe; Ctrl-C is the parent's business."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        while True:
+            index, piece = pipe.recv()
+            try:
+                for item in work(piece):
+                    pipe.send((_ITEM, index, item))
+            except (BrokenPipeError, ConnectionResetError):
+                raise
+            except Exception as error:  # noqa: BLE001  whatever it was, the parent raises it
+                pipe.send((_ERROR, index, error))
+            pipe.send((_END, index, None))
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Processes that are begun within it use one thread each for linear algebra: there is one process a processor."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

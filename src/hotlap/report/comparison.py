@@ -1,0 +1,143 @@
+"""Pictures of a comparison: how completion grows with flights on each race, and a performance profile over all of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
+from numpy.typing import NDArray
+
+from hotlap.analysis.comparison import Run
+from hotlap.analysis.comparison_table import completion_band, profiles
+from hotlap.report.pictures import save
+from hotlap.report.style import NORMAL, SMALL, headline, place_axes, styled
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#222222")  # Okabe and Ito
+DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
+WIDTH, HEIGHT, GAP = 2.5, 1.5, 0.5  # inches of a chart, and between charts
+LEFT, TOP, BOTTOM, KEY_LINE = 0.62, 0.75, 0.5, 0.18
+ACROSS = 4  # charts in a row
+BAND_UP_TO = 6  # tuners; bands of more would hide each other
+FACTORS = np.geomspace(1, 100, 200)
+
+
+def draw_comparison(folder: Path, runs: Sequence[Run]) -> tuple[Path, ...]:
+    """Draw both pictures.
+
+    Args:
+        folder: where they go.
+        runs: at least one.
+
+    Returns:
+        The files.
+
+    Raises:
+        InputError: when one cannot be written.
+    """
+    return save(folder / "curves.png", curves(runs)), save(folder / "profile.png", profile(runs))
+
+
+@styled
+def curves(runs: Sequence[Run]) -> Figure:
+    """Completion of the best candidate so far over flights, median of all seeds; with few tuners, quartiles as a band."""
+    races, looks = list(dict.fromkeys(run.race for run in runs)), _looks(runs)
+    across = min(ACROSS, len(races))
+    down = math.ceil(len(races) / across)
+    key_height = KEY_LINE * (math.ceil(len(looks) / across) + 1)
+    figure = Figure(figsize=(LEFT + across * (WIDTH + GAP), TOP + down * (HEIGHT + GAP) + key_height))
+    height = float(figure.get_size_inches()[1])
+    for k, race in enumerate(races):
+        column, row = k % across, k // across
+        axes = place_axes(figure, LEFT + column * (WIDTH + GAP), height - TOP - (row + 1) * HEIGHT - row * GAP, WIDTH, HEIGHT)
+        _draw_race(axes, race, [run for run in runs if run.race == race], looks)
+        if column == 0:
+            axes.set_ylabel("completion [%]")
+    seeds = len({run.seed for run in runs})
+    detail = f"best candidate so far over flights, median of {seeds} seeds{' and quartiles' if len(looks) <= BAND_UP_TO else ''}"
+    headline(figure, LEFT, "Tuners on equal terms", detail)
+    _draw_key(figure, looks, across)
+    return figure
+
+
+@styled
+def profile(runs: Sequence[Run]) -> Figure:
+    """Share of all races and seeds solved within a factor of the fastest tuner's search flights (Dolan, More, 2002)."""
+    looks = _looks(runs)
+    width, height = 5.5, 3.0
+    figure = Figure(figsize=(LEFT + width + 2.4, BOTTOM + height + TOP))
+    axes = place_axes(figure, LEFT, BOTTOM, width, height)
+    axes.grid(visible=True)
+    for tuner, shares in profiles(runs, FACTORS).items():
+        axes.step(FACTORS, 100 * shares, where="post", **looks[tuner], label=tuner)
+    axes.set_xscale("log")
+    axes.set_xlim(1, FACTORS[-1])
+    axes.set_ylim(-2, 104)
+    _plain_ticks(axes, (1, 2, 5, 10, 20, 50, 100))
+    axes.set_xlabel("search flights, as a multiple of the fastest tuner's on the same race and seed")
+    axes.set_ylabel("solved [%]")
+    figure.legend(loc="center left", bbox_to_anchor=((LEFT + width + 0.15) / (LEFT + width + 2.4), 0.5), fontsize=SMALL, frameon=False)
+    headline(figure, LEFT, "Performance profile", "share of all races and seeds in which a candidate was confirmed")
+    return figure
+
+
+def _draw_race(axes: Axes, race: str, runs: Sequence[Run], looks: Mapping[str, Mapping[str, Any]]) -> None:
+    """The curves of one race."""
+    axes.grid(visible=True)
+    longest = max(run.budget for run in runs)
+    for tuner, look in looks.items():
+        mine = [run for run in runs if run.tuner == tuner]
+        if not mine:
+            continue
+        flights = _places(max(run.budget for run in mine))
+        low, middle, high = (100 * values for values in completion_band(mine, flights))
+        axes.step(flights, middle, where="post", **look)
+        if len(looks) <= BAND_UP_TO:
+            axes.fill_between(flights, low, high, step="post", color=look["color"], alpha=0.15, linewidth=0)
+    axes.set_xscale("log")
+    axes.set_xlim(1, longest)
+    axes.set_ylim(-3, 106)
+    axes.set_yticks([0, 25, 50, 75, 100])
+    _plain_ticks(axes, [tick for tick in (1, 3, 10, 30, 100, 300, 1000, 3000) if tick <= longest])
+    axes.set_title(race, fontsize=NORMAL, loc="left", pad=4)
+
+
+def _places(longest: int) -> NDArray[np.int64]:
+    """Flights at which a curve is looked at: all of the first hundred, then ever fewer."""
+    return np.unique(np.concatenate([np.arange(1, min(longest, 100) + 1), np.geomspace(1, longest, 100).round()])).astype(np.int64)
+
+
+def _plain_ticks(axes: Axes, ticks: Sequence[float]) -> None:
+    """Ticks of a logarithmic axis as plain numbers."""
+    axes.xaxis.set_major_locator(FixedLocator(list(ticks)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _looks(runs: Sequence[Run]) -> dict[str, dict[str, Any]]:
+    """Colour and dashes of each tuner: presets of one algorithm share a colour as long as there are dashes."""
+    names = list(dict.fromkeys(run.tuner for run in runs))
+    algorithms = list(dict.fromkeys(name.partition(":")[0] for name in names))
+    looks: dict[str, dict[str, Any]] = {}
+    for name in names:
+        algorithm = name.partition(":")[0]
+        place, before = algorithms.index(algorithm), sum(known.partition(":")[0] == algorithm for known in looks)
+        dash = (before + place // len(COLOURS)) % len(DASHES)
+        looks[name] = {"color": COLOURS[place % len(COLOURS)], "linestyle": DASHES[dash], "linewidth": 1.3}
+    return looks
+
+
+def _draw_key(figure: Figure, looks: Mapping[str, Mapping[str, Any]], across: int) -> None:
+    """What the lines mean, below the charts."""
+    width, height = (float(value) for value in figure.get_size_inches())
+    for k, (tuner, look) in enumerate(looks.items()):
+        left, level = LEFT + (k % across) * (WIDTH + GAP), KEY_LINE * (math.ceil(len(looks) / across) - k // across)
+        axes = place_axes(figure, left, level - 0.06, 0.3, 0.12)
+        axes.plot([0, 1], [0, 0], **look)
+        axes.set_axis_off()
+        figure.text((left + 0.36) / width, level / height, tuner, fontsize=SMALL, va="center")
