@@ -17,6 +17,7 @@ FORBIDDEN = {  # room: rooms that it must not reach
     "objective": {"tuning", "study", "report", "cli", "tuners", "files"},
     "tuning": {"study", "report", "cli", "files", "database", "flight", "planning"},
     "study": {"report", "cli"},
+    "analysis": {"report", "cli"},
     "report": {"cli"},
 }
 

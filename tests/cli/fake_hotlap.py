@@ -57,7 +57,14 @@ def module(name: str, **contents) -> ModuleType:
     return made
 
 
-MODULES = {"hotlap.report.pictures": module("pictures", draw=draw)}
+def draw_comparison(folder, _):
+    return (folder / "curves.svg",)
+
+
+MODULES = {
+    "hotlap.report.pictures": module("pictures", draw=draw),
+    "hotlap.report.comparison": module("comparison", draw_comparison=draw_comparison),
+}
 REPLACEMENTS: list[tuple[Any, str, Any]] = [
     (worlds, "build", build),
     (preparation, "plan", lambda *_, **__: make_course().reference),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from multiprocessing import parent_process
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,6 @@ class Cell:
         settings: of all its runs, but for the seed.
         seeds: of the runs.
         world: where.
-        threads: of the world; 0 for one a processor.
     """
 
     race: Race
@@ -43,7 +43,6 @@ class Cell:
     settings: TuningSettings
     seeds: tuple[int, ...]
     world: str = worlds.DEFAULT
-    threads: int = 1
 
     @property
     def key(self) -> str:
@@ -165,7 +164,9 @@ class _Progress:
 def fly_cell(cell: Cell) -> Iterator[Run]:
     """The runs of a cell, as they end."""
     course = course_for(prepare(cell.race), tuners.build(cell.tuner))
-    world = BuiltIn(threads=cell.threads) if cell.world == worlds.DEFAULT else worlds.build(cell.world)
+    world = worlds.build(cell.world)
+    if isinstance(world, BuiltIn) and parent_process() is not None:
+        world.threads = 1  # there is a worker for each processor
     objective = Objective(course, world, cell.settings.goal.metric)
     runs = [_begin(cell, course, seed) for seed in cell.seeds]
     for i, batch in tune_together(objective, [run.tuning for run in runs]):
@@ -221,5 +222,5 @@ def missing(cells: Sequence[Cell], done: Mapping[tuple[str, int], Run], split: i
         key = cell.key
         seeds = [seed for seed in cell.seeds if (key, seed) not in done]
         parts = [seeds[k::split] for k in range(split)]
-        open_cells += [Cell(cell.race, cell.tuner, cell.settings, tuple(part), cell.world, cell.threads) for part in parts if part]
+        open_cells += [Cell(cell.race, cell.tuner, cell.settings, tuple(part), cell.world) for part in parts if part]
     return open_cells

@@ -77,7 +77,7 @@ def _cells(options: Namespace) -> list[Cell]:
         with working(f"planning {race.name}"):
             course = prepare(race)
         make_ready(world, course)
-    return [Cell(race, name, settings[name], seeds, world.name) for race in races for name in dict.fromkeys(names)]
+    return [Cell(race, name, settings[name], seeds, options.on) for race in races for name in dict.fromkeys(names)]
 
 
 def _race(name: str, options: Namespace) -> Race:

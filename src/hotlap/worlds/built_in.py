@@ -35,6 +35,7 @@ class BuiltIn:
     Attributes:
         name: "built-in".
         takes_truth: it does.
+        threads: how many; 0 for one a processor.
         effort: what the last batch took.
 
     Lanes that do not pass their self-check are not flown: the world warns, and flies in float64.
@@ -43,7 +44,7 @@ class BuiltIn:
     def __init__(self, numbers: str = "", threads: int = 0) -> None:
         self.name, self.takes_truth = NAME, True
         self.effort: Effort | None = None
-        self._numbers, self._threads = numbers, threads
+        self._numbers, self.threads = numbers, threads
         self._sound: dict[ControllerKind, Numbers] = {}
 
     @cached_property
@@ -76,7 +77,7 @@ class BuiltIn:
         from hotlap.flight.batch import fly_batch  # noqa: PLC0415
 
         numbers = self.sound_numbers(course.race.controller.kind)
-        flights, self.effort = fly_batch(course, parameters, seeds, numbers=numbers, threads=self._threads, truth=truth, log=log)
+        flights, self.effort = fly_batch(course, parameters, seeds, numbers=numbers, threads=self.threads, truth=truth, log=log)
         return flights
 
     def sound_numbers(self, kind: ControllerKind) -> Numbers:

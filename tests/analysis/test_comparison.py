@@ -1,0 +1,169 @@
+"""Every run of a comparison is the run that it would be alone; what is kept is whole; rows say what the runs say."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from fake_world import FakeWorld, make_course
+from hotlap import preparation, tuners, worlds
+from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cell, missing
+from hotlap.analysis.comparison_table import ALL, cells_of, completion_band, markdown, overall, profiles, rows_of, summarise
+from hotlap.analysis.runs_file import RunsFile
+from hotlap.errors import StudyError
+from hotlap.goal import parse_goal
+from hotlap.objective import Objective
+from hotlap.tuning import Tuning, TuningSettings, course_for, tune
+
+SETTINGS = TuningSettings(goal=parse_goal("completion=1"), budget=60, reliability=0.0, validation=50)
+NAMES = ("random_search:paper", "metropolis_hastings:tied", "guided_walk:default", "cma_es:log")
+
+
+@pytest.fixture(autouse=True)
+def straight(monkeypatch) -> None:
+    """A world, a planner and segments that take no time."""
+    monkeypatch.setattr(worlds, "build", lambda _: FakeWorld())
+    monkeypatch.setattr(preparation, "plan", lambda *_, **__: make_course().reference)
+    monkeypatch.setattr(preparation, "segment", lambda _: make_course().segments)
+
+
+def cell(tuner: str = NAMES[1], seeds: tuple[int, ...] = (0, 1, 2, 3), **changes) -> Cell:
+    return Cell(make_course().race, tuner, TuningSettings(**{**vars(SETTINGS), **changes}), seeds)
+
+
+def make_run(tuner: str = "a", race: str = "r", seed: int = 0, **changes) -> Run:
+    values = {"budget": 200, "flights": 30, "search_flights": 10, "confirmed": True, "completion": 1.0, "cost": 5.0, "lap_time": 5.0}
+    plain = {"successes": 45, "validation": 50, "tuner_time": 0.3, "curve": ((1, 0.2), (10, 0.6), (30, 1.0))}
+    return Run(**{"race": race, "tuner": tuner, "seed": seed, **values, **plain, **changes})
+
+
+@pytest.mark.parametrize("tuner", NAMES)
+def test_a_run_among_others_is_the_run_alone(tuner):
+    together = {run.seed: run for run in fly_cell(cell(tuner))}
+    assert sorted(together) == [0, 1, 2, 3]
+    for seed in (1, 3):
+        built = tuners.build(tuner)
+        course = course_for(make_course(), built)
+        tuning = Tuning(built, course, TuningSettings(**{**vars(SETTINGS), "seed": seed}))
+        last = list(tune(Objective(course, FakeWorld()), tuning))[-1]
+        run = together[seed]
+        assert (run.flights, run.search_flights, run.confirmed) == (last.flights, last.search_flights, last.best.confirmed)
+        assert (run.completion, run.cost) == (last.best.completion, last.best.cost)
+        assert last.validation is not None
+        assert (run.successes, run.validation) == (last.validation.successes, 50)
+
+
+def test_the_curve_ends_where_the_run_does_and_the_tuner_is_on_the_clock():
+    for run in fly_cell(cell()):
+        assert run.curve[-1][1] == run.completion == run.completion_at(run.flights) == run.completion_at(10**6)
+        assert list(run.curve) == sorted(run.curve)
+        assert run.completion_at(0) == 0.0
+        assert run.flights <= run.budget == 60
+        assert 0 < run.tuner_time < 5
+
+
+def test_a_key_changes_with_all_that_decides_about_a_run_but_its_seed():
+    same = {cell().key, cell(seeds=(7,)).key}
+    others = [cell("cma_es:log"), cell(budget=61), cell(confirmations=5), cell(validation=10), cell(goal=parse_goal("mean_error<0.3"))]
+    assert len(same) == 1
+    assert len({*same, *(other.key for other in others)}) == 6
+
+
+def test_what_is_done_is_not_flown_again_and_long_runs_come_first():
+    short, long = cell(seeds=(0, 1, 2)), cell("cma_es:log", seeds=(0, 1, 2, 3), budget=100)
+    done = {(short.key, 1): make_run(), (long.key, 0): make_run()}
+    left = missing([short, long], done)
+    assert [(piece.tuner, piece.seeds) for piece in left] == [("cma_es:log", (1, 2, 3)), (NAMES[1], (0, 2))]
+    parts = missing([short, long], done, split=2)
+    assert sorted(seed for part in parts if part.tuner == "cma_es:log" for seed in part.seeds) == [1, 2, 3]
+    assert missing([short], {(short.key, seed): make_run() for seed in range(3)}) == []
+
+
+def test_budgets_are_those_of_the_nearest_name():
+    budgets = {"": 200, "cma_es": 1000, "cma_es:tied": 500}
+    assert [budget_of(name, budgets) for name in ("cma_es:log", "cma_es:tied", "guided_walk:default")] == [1000, 500, 200]
+
+
+def test_a_run_survives_json_though_it_never_finished_a_lap():
+    run = make_run(cost=math.inf, lap_time=math.nan)
+    again = Run.load(json.loads(json.dumps(run.dump(), allow_nan=False)))
+    assert again.cost == math.inf
+    assert math.isnan(again.lap_time)
+    assert again.dump() == run.dump()
+    assert again.curve == run.curve
+
+
+def test_the_file_keeps_runs_and_drops_the_line_that_was_being_written(tmp_path):
+    with RunsFile(tmp_path).opened() as file:
+        for seed in range(3):
+            file.add("key", make_run(seed=seed))
+    path = tmp_path / "runs.jsonl"
+    path.write_bytes(path.read_bytes()[:-20])
+    with RunsFile(tmp_path).opened() as file:
+        assert sorted(file.done) == [("key", 0), ("key", 1)]
+        file.add("key", make_run(seed=2, flights=31))
+    assert RunsFile(tmp_path).done["key", 2].flights == 31
+    assert len(RunsFile(tmp_path).done) == 3
+
+
+def test_a_damaged_line_is_named(tmp_path):
+    (tmp_path / "runs.jsonl").write_text('{"key": "a"}\n', encoding="utf-8")
+    with pytest.raises(StudyError, match=r"runs.jsonl: line 1: is damaged"):
+        RunsFile(tmp_path)
+
+
+def test_a_folder_has_one_writer(tmp_path):
+    with RunsFile(tmp_path).opened(), pytest.raises(StudyError, match="is working on this"), RunsFile(tmp_path).opened():
+        pass
+
+
+def test_a_row_counts_a_failure_as_infinitely_long():
+    runs = [make_run(seed=k, search_flights=k + 1, flights=2 * k + 2) for k in range(3)]
+    runs += [make_run(seed=k, confirmed=False, flights=200, search_flights=150, successes=0, lap_time=math.nan) for k in (3, 4)]
+    row = summarise("r", "a", runs)
+    assert (row.runs, row.success_rate, row.flights_median, row.all_flights_median) == (5, 0.6, 3.0, 6.0)
+    assert row.flights_quartiles == (2.0, 3.0, math.inf)
+    assert row.validated_rate == pytest.approx(0.6 * 0.9)
+    assert row.success_interval[0] < 0.6 < row.success_interval[1]
+    assert row.validated_interval[0] <= row.validated_rate <= row.validated_interval[1]
+    assert row.completions == ((50, 1.0), (200, 1.0))
+    assert row.lap_time_median == 5.0
+    assert row.tuner_time == pytest.approx(1.5 / 412)
+
+
+def test_rows_are_of_each_race_and_over_all_the_best_first():
+    runs = [make_run("slow", race, seed, search_flights=50) for race in "rs" for seed in range(3)]
+    runs += [make_run("fast", race, seed, search_flights=5) for race in "rs" for seed in range(3)]
+    runs += [make_run("never", race, seed, confirmed=False) for race in "rs" for seed in range(3)]
+    assert [(row.race, row.tuner) for row in rows_of(runs)][:2] == [("r", "slow"), ("s", "slow")]
+    assert [(row.race, row.tuner, row.runs) for row in overall(runs)] == [(ALL, "fast", 6), (ALL, "slow", 6), (ALL, "never", 6)]
+    shares = profiles(runs, np.array([1.0, 9.0, 10.0, 100.0]))
+    assert shares["fast"].tolist() == [1, 1, 1, 1]
+    assert shares["slow"].tolist() == [0, 0, 1, 1]
+    assert shares["never"].tolist() == [0, 0, 0, 0]
+
+
+def test_a_profile_leaves_out_what_not_all_have_flown():
+    runs = [make_run("a", "r"), make_run("b", "r", search_flights=20), make_run("a", "s", search_flights=1)]
+    assert profiles(runs, np.array([1.0, 2.0]))["b"].tolist() == [0, 1]
+    assert profiles(runs[2:] + [make_run("b", "t")], np.array([1.0]))["a"].tolist() == [0]
+
+
+def test_a_band_holds_the_median_between_quartiles():
+    runs = [make_run(seed=k, curve=((1, 0.0), (2 + k, 1.0))) for k in range(5)]
+    low, middle, high = completion_band(runs, np.array([1, 2, 4, 6]))
+    assert middle.tolist() == [0, 0, 1, 1]
+    assert (low <= middle).all()
+    assert (middle <= high).all()
+    assert high.tolist() == [0, 0, 1, 1]
+
+
+def test_tables_have_a_cell_for_every_column():
+    rows = rows_of([make_run(), make_run(seed=1, confirmed=False, lap_time=math.nan)])
+    header, *body = cells_of(rows)
+    assert all(len(cells) == len(header) for cells in body)
+    assert markdown(rows).splitlines()[1].count("---") == len(header)
+    assert "50 [9, 91]" in markdown(rows), "one of two, with Wilson's interval"

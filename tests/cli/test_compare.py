@@ -1,0 +1,96 @@
+"""`hotlap compare`: tables and pictures of runs that are flown once."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cli import fake_hotlap
+
+BOTH = "random_search,metropolis_hastings"
+ASKED = f"compare straight.toml --tuners {BOTH} --seeds 3 --budget 40 --jobs 1 --out c".split()
+
+
+@pytest.fixture(autouse=True)
+def _faked(faked):
+    pass
+
+
+def test_it_prints_a_row_for_each_tuner_and_writes_the_table(hotlap, here):
+    ran = hotlap(*ASKED)
+    assert ran.code == 0
+    assert ran.out.count("random_search:paper") == 2
+    assert "confirmed %" in ran.out
+    assert "6 of 6 runs" in ran.err
+    assert (here / "c" / "table.md").read_text(encoding="utf-8").count("| metropolis_hastings:tied |") == 2
+    assert len((here / "c" / "runs.jsonl").read_text(encoding="utf-8").splitlines()) == 6
+
+
+def test_the_document_has_what_is_promised(hotlap):
+    document = hotlap(*ASKED, "--json").document
+    assert {"races", "tuners", "budget", "rows", "overall"} <= set(document)
+    row = document["rows"][0]
+    promised = "race tuner runs success_rate validated_rate flights_median flights_quartiles completion_median lap_time_median"
+    assert set(promised.split()) <= set(row)
+    assert 0 <= row["success_rate"] <= 1
+    assert row["runs"] == 3
+
+
+def test_the_same_command_flies_nothing_and_more_seeds_fly_what_is_missing(hotlap):
+    first = hotlap(*ASKED, "--json")
+    again = hotlap(*ASKED, "--json")
+    assert again.document == first.document
+    assert "6 of 6 runs are there already" in again.err
+    more = hotlap(*ASKED, "--seeds", "4", "--json")
+    assert "6 of 8 runs are there already" in more.err
+    assert [row["runs"] for row in more.document["rows"]] == [4, 4]
+
+
+def test_budgets_of_some_tuners(hotlap):
+    asked = [*ASKED, "--budget", "30,metropolis_hastings=50", "--json"]
+    assert hotlap(*asked).document["budget"] == {"random_search:paper": 30, "metropolis_hastings:tied": 50}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--tuners", "annealing"], "there is no tuner named 'annealing'"),
+        (["--budget", "many"], "--budget: must be like 200,cma_es=1000, not 'many'"),
+        (["--budget", "200,mh=3"], "there is no tuner named 'mh'"),
+        (["--budget", "0"], "--budget: must be from 1"),
+        (["--seeds", "0"], "--seeds: must be at least 1, not 0"),
+        (["--jobs", "-1"], "--jobs: must not be negative"),
+        (["--out", "straight.toml"], "straight.toml: is a file, not the folder of a comparison"),
+        (["--on", "mars"], "there is no world named 'mars'"),
+    ],
+)
+def test_bad_input_is_one_line(hotlap, options, message):
+    ran = hotlap(*ASKED, *options)
+    assert ran.code == 2
+    assert message in ran.err.splitlines()[-1]
+    assert ran.out == ""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_what_was_finished_outlives_a_kill(environment, here, number):
+    command = [sys.executable, str(Path(fake_hotlap.__file__)), *ASKED, "--seeds", "30", "--tuners", "random_search"]
+    slowly = {**environment, "FAKE_PAUSE": "0.05"}
+    with subprocess.Popen(command, env=slowly, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        file, until = here / "c" / "runs.jsonl", time.monotonic() + 60
+        while (not file.exists() or file.stat().st_size < 100) and time.monotonic() < until:
+            time.sleep(0.02)
+        os.kill(process.pid, number)
+        _, said = process.communicate()
+    whole = file.read_text(encoding="utf-8").rpartition("\n")[0].splitlines()
+    assert all(json.loads(line) for line in whole)
+    assert len(whole) >= 1
+    if number == signal.SIGINT:
+        assert process.returncode == 130
+        assert "go on with: hotlap compare straight.toml" in said
