@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from hotlap.executor import ONE_THREAD, spread
+from hotlap.executor import spread
+from hotlap.threads import VARIABLES as ONE_THREAD
 
 HERE = Path(__file__).parent
 

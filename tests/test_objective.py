@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from fake_world import FakeWorld, make_course
 from hotlap.objective import Objective
 from hotlap.race import JudgeSettings, Rule
 from hotlap.scoring import Metric, score
+from hotlap.truth import draw_truths
 
 
 def test_scores_are_those_of_the_flights_under_the_races_rule_and_the_metric():
@@ -18,6 +21,26 @@ def test_scores_are_those_of_the_flights_under_the_races_rule_and_the_metric():
     np.testing.assert_array_equal(scores.cost, score(flights, course.race.judge, Metric.MEAN_ERROR).cost)
     np.testing.assert_array_equal(scores.cost, objective.fly(parameters, np.arange(6)).cost)
     assert not np.array_equal(scores.cost, score(flights, JudgeSettings(), Metric.TIME).cost)
+
+
+@dataclass
+class Remembering(FakeWorld):
+    """Remembers in which truths it flew."""
+
+    truth: np.ndarray | None = None
+
+    def fly(self, course, parameters, seeds, *, truth=None, log=()):
+        self.truth = truth
+        return super().fly(course, parameters, seeds, log=log)
+
+
+def test_a_randomised_objective_flies_every_seed_in_a_world_of_its_own():
+    course, world, seeds = make_course(), Remembering(), np.arange(6)
+    parameters = np.tile(course.space.first_guess(2), (6, 1, 1))
+    Objective(course, world, randomise=0.2).fly(parameters, seeds)
+    np.testing.assert_array_equal(world.truth, draw_truths(course.race.vehicle, seeds, 0.2))
+    Objective(course, world).fly(parameters, seeds)
+    assert world.truth is None
 
 
 def test_flights_are_counted():

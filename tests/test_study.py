@@ -206,7 +206,7 @@ def differing() -> dict[str, tuple[str, Configuration]]:
         "seed": ("seed: this study has 1, asked for is 2", configure(seed=2)),
         "tuner": ("tuner.name: this study has .*tied", configure("metropolis_hastings:paper")),
         "goal": ('goal: this study has "completion=1", asked for is "none"', long()),
-        "confirmations": ("confirmations: this study has 4", configure(confirmations=3)),
+        "confirm": ("confirm: this study has 4", configure(confirm=3)),
         "world": ("world: ", replace(base, world="another")),
         "metric": ("metric: ", replace(base, metric=Metric.MEAN_ERROR)),
         "judge": (
@@ -338,7 +338,7 @@ def test_new_folders_are_new_and_bear_the_races_name(tmp_path):
 
 
 def test_versions_and_configuration_come_back_as_recorded(tmp_path):
-    asked = configure(goal=parse_goal("mean_error<0.25"), confirmations=2)
+    asked = configure(goal=parse_goal("mean_error<0.25"), confirm=2)
     with Study.open(tmp_path, asked):
         pass
     with Study.read(tmp_path) as study:

@@ -109,6 +109,26 @@ def test_the_tuner_is_told_the_mean_cost_of_a_failed_candidate_and_the_flight_th
     assert tuner.told[0].failed_segment.tolist() == [4]
 
 
+def test_a_candidate_of_several_worlds_must_succeed_in_all_of_them():
+    tuner = Listener(points(3))
+    flown = [1.0, 1.0, 0.4, 1.0, 1.0, 1.0, 1.0, 1.0]
+    tuning, batches = run(tuner, ScriptedObjective(*flown), batch=2, worlds=3, confirm=2, budget=100)
+    assert (tuning.flights, tuning.search_flights, tuning.done) == (8, 6, True)
+    ledger, best = batches[0].ledger, batches[0].best
+    assert ledger.streams.tolist() == [Stream.SEARCH] * 6 + [Stream.CONFIRMATION] * 2
+    np.testing.assert_array_equal(ledger.parameters[:6], np.repeat(points(2), 3, axis=0))
+    assert len(set(ledger.seeds.tolist())) == 8
+    np.testing.assert_array_equal(best.parameters, points(2)[1])
+    assert (best.confirmed, best.flights) == (True, 5)
+    assert tuner.told[0].cost.tolist() == pytest.approx([20, 0])
+    assert tuner.told[0].failed_segment.tolist() == [4, -1]
+
+
+def test_a_candidate_that_the_budget_cannot_fly_in_all_worlds_is_not_flown():
+    tuning, _ = run(Listener(points(5)), ScriptedObjective(*[0.2] * 9), batch=1, worlds=3, budget=11)
+    assert (tuning.flights, tuning.done) == (9, True)
+
+
 def test_candidates_of_one_batch_are_confirmed_in_order_until_one_holds():
     tuner = Listener(points(4))
     objective = ScriptedObjective(0.2, 1.0, 1.0, 1.0, *(0.4,), *(1.0,) * 4)
@@ -126,7 +146,7 @@ def test_reflights_count_in_the_budget_even_in_the_middle_of_a_confirmation():
 
 
 def test_without_confirmations_the_first_success_is_believed():
-    tuning, _ = run(Listener(points(9)), ScriptedObjective(0.2, 1.0), batch=1, confirmations=0)
+    tuning, _ = run(Listener(points(9)), ScriptedObjective(0.2, 1.0), batch=1, confirm=0)
     assert (tuning.flights, tuning.best is not None and tuning.best.confirmed) == (2, True)
 
 
@@ -298,7 +318,7 @@ def test_an_error_goal_is_reached_and_meant():
         ("budget", 0),
         ("seed", -1),
         ("seed", 2**31),
-        ("confirmations", -1),
+        ("confirm", -1),
         ("batch", 0),
         ("validation", -1),
         ("reliability", 1.1),

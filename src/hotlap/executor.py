@@ -15,11 +15,12 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
+from hotlap.threads import one_thread_each
+
 Piece = TypeVar("Piece")
 Item = TypeVar("Item")
 
 _ITEM, _END, _ERROR = range(3)
-ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")  # of linear algebra, in a worker
 
 
 def spread(work: Callable[[Piece], Iterable[Item]], pieces: Sequence[Piece], processes: int = 0) -> Iterator[tuple[Piece, Item]]:
@@ -76,7 +77,7 @@ def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[C
     processes: list[BaseProcess] = []
     ours: list[Connection] = []
     try:
-        with _one_thread_each():
+        with one_thread_each():
             for _ in range(crew):
                 mine, theirs = context.Pipe()
                 process = context.Process(target=_labour, args=(work, theirs), daemon=True)
@@ -108,18 +109,3 @@ def _labour(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
             except Exception as error:  # noqa: BLE001  whatever it was, the parent raises it
                 pipe.send((_ERROR, index, error))
             pipe.send((_END, index, None))
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Processes that are begun within it use one thread each for linear algebra: there is one process a processor."""
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value

@@ -12,6 +12,7 @@ from hotlap.course import Course
 from hotlap.parameters import Parameters
 from hotlap.records import Flights, Scores
 from hotlap.scoring import Metric, score
+from hotlap.truth import draw_truths
 from hotlap.worlds.world import World
 
 
@@ -23,12 +24,14 @@ class Objective:
         course: what is flown.
         world: where.
         metric: what the cost measures.
+        randomise: how far each flight's vehicle may differ from the race's, as a share; see `truth.draw_truths`.
         flights: how many have been flown through it.
     """
 
     course: Course
     world: World
     metric: Metric = Metric.TIME
+    randomise: float = 0.0
     flights: int = field(default=0, init=False)
 
     def fly(self, parameters: Parameters, seeds: NDArray[np.int64]) -> Scores:
@@ -48,6 +51,7 @@ class Objective:
             seeds: shape (B,), the noise of each flight.
             log: indices in the batch of the flights to record in full.
         """
-        flights = self.world.fly(self.course, parameters, seeds, log=log)
+        truth = draw_truths(self.course.race.vehicle, seeds, self.randomise) if self.randomise else None
+        flights = self.world.fly(self.course, parameters, seeds, truth=truth, log=log)
         self.flights += len(flights)
         return flights, score(flights, self.course.race.judge, self.metric)

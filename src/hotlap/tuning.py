@@ -25,6 +25,7 @@ from hotlap.tuners.tuner import Tuner
 from hotlap.validation import FLIGHTS, RELIABILITY, Validation
 
 CONFIRMATIONS = 4  # "flown four times more", Sec. IV-A
+WORLDS = 4  # that a candidate is flown in, where they differ
 
 
 @dataclass(frozen=True)
@@ -35,28 +36,39 @@ class TuningSettings:
         goal: when to stop.
         budget: flights, re-flights included.
         seed: of the tuner's chance and of the flights' noise.
-        confirmations: fresh re-flights that a candidate must pass.
+        confirm: fresh re-flights that a candidate must pass.
         validation: flights with fresh noise of a confirmed candidate, not counted in the budget; 0 for none.
         reliability: least share of them that must meet the goal, or the search goes on; 0 takes any candidate that is confirmed.
-        batch: most flights that a tuner is asked for at once.
+        batch: most candidates that a tuner is asked for at once.
+        worlds: flights of each candidate in the search, all of which must meet the goal; 0: one, or `WORLDS` where they differ.
+        randomise: how far the vehicle may differ from flight to flight, as a share; see `truth.draw_truths`.
     """
 
     goal: Goal = field(default_factory=Goal)
     budget: int = 200
     seed: int = 0
-    confirmations: int = CONFIRMATIONS
+    confirm: int = CONFIRMATIONS
     validation: int = FLIGHTS
     reliability: float = RELIABILITY
     batch: int = 8
+    worlds: int = 0
+    randomise: float = 0.0
+
+    @property
+    def flights_each(self) -> int:
+        """Flights of a candidate in the search, before its re-flights."""
+        return self.worlds or (WORLDS if self.randomise else 1)
 
     def __post_init__(self) -> None:
         for name, least, largest in (
             ("budget", 1, FLIGHTS_A_STREAM),
             ("seed", 0, LARGEST_RUN_SEED),
-            ("confirmations", 0, 1000),
+            ("confirm", 0, 1000),
             ("validation", 0, FLIGHTS_A_STREAM // 100),
             ("reliability", 0, 1),
             ("batch", 1, 10_000),
+            ("worlds", 0, 1000),
+            ("randomise", 0, 0.9),
         ):
             value = getattr(self, name)
             if not least <= value <= largest:
@@ -191,7 +203,8 @@ class Tuning:
     @property
     def _searched(self) -> bool:
         """Whether a candidate is confirmed or the budget spent."""
-        return self.best is not None and (self.best.confirmed or self.flights >= self.settings.budget)
+        left = self.settings.budget - self.flights
+        return self.best is not None and (self.best.confirmed or left < self.settings.flights_each)
 
     def batch(self) -> Generator[Request, Scores, Batch]:
         """One turn: yields what it wants flown, is sent the scores, returns what came of it.
@@ -202,12 +215,13 @@ class Tuning:
         if self._searched and self.best is not None:
             self.validation, ledger, _ = yield from self._validate(self.best.parameters)
             return self._report(ledger, ())
-        parameters = self.tuner.ask(min(self.settings.batch, self.settings.budget - self.flights))
-        ledger, scores = yield from self._fly(Stream.SEARCH, parameters)
-        ledgers, flown = [ledger], [scores.rows(slice(i, i + 1)) for i in range(len(scores))]
+        each = self.settings.flights_each
+        parameters = self.tuner.ask(max(1, min(self.settings.batch, (self.settings.budget - self.flights) // each)))
+        ledger, scores = yield from self._fly(Stream.SEARCH, np.repeat(parameters, each, axis=0))
+        ledgers, flown = [ledger], [scores.rows(slice(i, i + each)) for i in range(0, len(scores), each)]
         before, confirmed, validation, fallen = self.search_flights, None, None, []
         self.search_flights += len(scores)
-        for i in np.flatnonzero(self.settings.goal.met(scores)).tolist():
+        for i in np.flatnonzero(self.settings.goal.met(scores).reshape(-1, each).all(axis=1)).tolist():
             flown[i], again = yield from self._confirm(parameters[i], flown[i])
             ledgers += again
             if not self._confirmed(flown[i]):
@@ -219,10 +233,10 @@ class Tuning:
                     flown[i] = Scores.join([flown[i], repeats])
                     fallen.append(validation)
                     continue
-            confirmed, self.search_flights = i, before + i + 1
+            confirmed, self.search_flights = i, before + (i + 1) * each
             break
         told = Scores.join([_told(scores, self.settings.goal) for scores in flown])
-        ledgers[0] = ledgers[0].accept(self.tuner.tell(parameters, told))
+        ledgers[0] = ledgers[0].accept(np.repeat(self.tuner.tell(parameters, told), each))
         self._choose([_candidate(parameters[i], scores, confirmed == i) for i, scores in enumerate(flown)], validation)
         return self._report(Ledger.join(ledgers), tuple(fallen))
 
@@ -265,7 +279,7 @@ class Tuning:
 
     def _confirmed(self, flown: Scores) -> bool:
         """Whether a candidate's flight and all its re-flights met the goal."""
-        return len(flown) == 1 + self.settings.confirmations and bool(self.settings.goal.met(flown).all())
+        return len(flown) == self.settings.flights_each + self.settings.confirm and bool(self.settings.goal.met(flown).all())
 
     def _state(self) -> dict[str, Any]:
         """Counts, the best candidate and the tuner, as plain JSON."""

@@ -5,8 +5,8 @@ import pytest
 
 from flight.courses import TUNED, make_course
 from hotlap.analysis.hold import CHANGES, will_it_hold
-from hotlap.flight.plant import TRUTH, truth_of
 from hotlap.goal import Goal
+from hotlap.truth import TRUTH, truth_of
 from hotlap.worlds.built_in import BuiltIn
 
 COURSE = make_course(noise={"position": 0.05, "thrust": 0.02, "rates": 0.1}, judge={"distance": 0.6})

@@ -12,9 +12,9 @@ from hotlap.errors import HotlapError
 from hotlap.files import load_race
 from hotlap.flight.batch import fly_batch
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.plant import TRUTH, truth_of
 from hotlap.preparation import prepare
 from hotlap.records import End, Flights
+from hotlap.truth import TRUTH, truth_of
 
 NOISE = {"thrust": 0.02, "rates": 0.1, "thrust_bias": 0.01, "position": 0.05, "velocity": 0.05, "attitude": 0.01}
 NOISY = make_course(noise=NOISE, judge={"distance": 0.35})  # so tight that some flights miss

@@ -13,9 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from hotlap import dynamics
 from hotlap.errors import HotlapError
-from hotlap.flight.plant import TRUTH, allocate_craft, autopilot_numbers, fly_period, truth_of, vehicle_numbers
+from hotlap.flight.plant import allocate_craft, autopilot_numbers, fly_period, vehicle_numbers
 from hotlap.quadrotor import Layout, Quadrotor
 from hotlap.race import PLANT_STEP
+from hotlap.truth import TRUTH, truth_of
 
 STEP = dynamics.plant_step()
 DRAGLESS: dict[str, Any] = {"name": "box", "mass": 0.9, "inertia": (0.004, 0.006, 0.009), "arm": 0.2, "torque_ratio": 0.02}

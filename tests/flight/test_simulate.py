@@ -9,8 +9,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.plant import TRUTH, truth_of
 from hotlap.records import End, Flights
+from hotlap.truth import TRUTH, truth_of
 
 from .courses import GRAVITY, fly, make_course, parameters
 

@@ -87,7 +87,7 @@ def test_any_number_may_be_asked_for_and_no_more_is_given(name, n):
 
 @EVERY
 def test_all_that_is_asked_for_lies_within_the_bounds(name):
-    assert SPACE.contains(play(start(name), 400))
+    assert SPACE.contains(play(start(name), 150))
 
 
 @EVERY

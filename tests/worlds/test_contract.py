@@ -6,9 +6,9 @@ import pytest
 from flight.courses import make_course, parameters
 from hotlap import worlds
 from hotlap.errors import UnknownNameError
-from hotlap.flight.plant import TRUTH, truth_of
 from hotlap.race import Rule
 from hotlap.records import End
+from hotlap.truth import TRUTH, truth_of
 
 COURSE = make_course(noise={"position": 0.05, "rates": 0.1})
 EVERY = pytest.mark.parametrize("name", worlds.names())

@@ -167,7 +167,7 @@ def fly_cell(cell: Cell) -> Iterator[Run]:
     world = worlds.build(cell.world)
     if isinstance(world, BuiltIn) and parent_process() is not None:
         world.threads = 1  # there is a worker for each processor
-    objective = Objective(course, world, cell.settings.goal.metric)
+    objective = Objective(course, world, cell.settings.goal.metric, cell.settings.randomise)
     runs = [_begin(cell, course, seed) for seed in cell.seeds]
     for i, batch in tune_together(objective, [run.tuning for run in runs]):
         runs[i].follow(batch)

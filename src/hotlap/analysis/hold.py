@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.course import Course
-from hotlap.flight.plant import TRUTH, truth_of
 from hotlap.goal import Goal
 from hotlap.parameters import Parameters
 from hotlap.race import NoiseSettings, Race
 from hotlap.scoring import score
 from hotlap.seeds import Stream, flight_seeds
+from hotlap.truth import FORCES, MASSES, TRUTH, scale, truth_of
 from hotlap.validation import Validation
 from hotlap.worlds.world import World
 
@@ -38,15 +38,9 @@ class Hold:
     validation: Validation
 
 
-def _scaled(factor: float, *names: str) -> Callable[[Floats], Floats]:
+def _scaled(factor: float, names: tuple[str, ...]) -> Callable[[Floats], Floats]:
     """A truth with some of its columns multiplied."""
-
-    def change(truth: Floats) -> Floats:
-        changed = truth.copy()
-        changed[[TRUTH.index(name) for name in names]] *= factor
-        return changed
-
-    return change
+    return lambda truth: scale(truth, names, factor)
 
 
 def _later(seconds: float) -> Callable[[Floats], Floats]:
@@ -60,14 +54,11 @@ def _later(seconds: float) -> Callable[[Floats], Floats]:
     return change
 
 
-MASSES = ("mass", "inertia_x", "inertia_y", "inertia_z")
-FORCES = (*MASSES, "rotor_drag", "body_drag_x", "body_drag_y", "body_drag_z")
-
 CHANGES: Mapping[str, Callable[[Floats], Floats]] = {
     "as tuned": lambda truth: truth,
-    "10 % lighter": _scaled(0.9, *MASSES),
-    "10 % heavier": _scaled(1.1, *MASSES),
-    "15 % less thrust": _scaled(1 / 0.85, *FORCES),  # a share of the thrust at every command: all but the rotors grows
+    "10 % lighter": _scaled(0.9, MASSES),
+    "10 % heavier": _scaled(1.1, MASSES),
+    "15 % less thrust": _scaled(1 / 0.85, FORCES),  # a share of the thrust at every command: all but the rotors grows
     "20 ms more dead time": _later(0.02),
 }
 

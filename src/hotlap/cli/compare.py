@@ -69,7 +69,10 @@ def _cells(options: Namespace) -> list[Cell]:
     if options.jobs < 0:
         raise InputError("--jobs", "", f"must not be negative, not {options.jobs}")
     world = worlds.build(options.on)
-    same = {"goal": parse_goal(options.goal), "reliability": 0.0, "validation": options.validation, "confirmations": options.confirmations}
+    if options.randomise and not world.takes_truth:
+        raise InputError("--randomise", "", f"{world.name} flies the vehicle that it has")
+    numbers = {name: getattr(options, name) for name in ("validation", "confirm", "randomise", "worlds")}
+    same = {"goal": parse_goal(options.goal), "reliability": 0.0, **numbers}
     settings = {name: TuningSettings(budget=budget_of(name, budgets), **same) for name in names}
     seeds = tuple(range(options.seeds))
     races = [_race(name, options) for name in options.races]

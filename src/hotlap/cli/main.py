@@ -17,6 +17,7 @@ from hotlap.cli.arguments import COMMANDS, overview
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
 from hotlap.errors import HotlapError, InputError, UnknownNameError
+from hotlap.threads import one_thread
 
 SUCCESS, FAILURE, BAD_INPUT = 0, 1, 2
 PIPE_CLOSED = 141  # 128 + SIGPIPE, as of any program whose reader went away
@@ -32,6 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit status: 0 success, 1 the work failed, 2 bad input, 128 + the signal that stopped it.
     """
     arguments = list(sys.argv[1:] if arguments is None else arguments)
+    one_thread()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal without our characters is no reason to fail

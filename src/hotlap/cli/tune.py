@@ -16,7 +16,7 @@ from hotlap.cli.progress import follow
 from hotlap.cli.stopping import remark
 from hotlap.cli.summary import dump_holds, summarise
 from hotlap.configuration import Configuration
-from hotlap.errors import HotlapError, StudyError
+from hotlap.errors import HotlapError, InputError, StudyError
 from hotlap.files import PARAMETERS_FILE, load_parameters, save_parameters
 from hotlap.goal import Quantity, parse_goal
 from hotlap.objective import Objective
@@ -53,9 +53,12 @@ def run(options: Namespace) -> int:
 
 def _configure(options: Namespace) -> tuple[World, Configuration]:
     """Check everything that was asked for, the quick things first, and plan."""
-    numbers = {name: getattr(options, name) for name in ("budget", "seed", "confirmations", "validation", "reliability", "batch")}
+    names = ("budget", "seed", "confirm", "validation", "reliability", "batch", "randomise", "worlds")
+    numbers = {name: getattr(options, name) for name in names}
     settings = TuningSettings(goal=parse_goal(options.goal), **numbers)
     tuner, world = tuners.build(options.tuner), worlds.build(options.on)
+    if options.randomise and not world.takes_truth:
+        raise InputError("--randomise", "", f"{world.name} flies the vehicle that it has")
     check_source(options.reference)
     guess = None if options.first_guess == DEFAULT_GUESS else Path(options.first_guess)
     if guess is not None:
@@ -75,7 +78,7 @@ def _carry_out(study: Study, world: World) -> Result:
     before = study.result
     if before is not None:
         note(f"{study.folder}: going on after {before.flights} flights")
-    objective = Objective(configuration.course, world, configuration.metric)
+    objective = Objective(configuration.course, world, configuration.metric, configuration.settings.randomise)
     with follow(configuration.settings.budget, before.flights if before else 0) as watch:
         return carry_out(study, objective, watch)
 

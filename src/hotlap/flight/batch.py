@@ -18,11 +18,12 @@ from hotlap.errors import HotlapError
 from hotlap.flight.job import LOG_COLUMNS, Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.plant import autopilot_numbers, model_numbers, truth_of, vehicle_numbers
+from hotlap.flight.plant import autopilot_numbers, model_numbers, vehicle_numbers
 from hotlap.flight.simulate import fly_queue
 from hotlap.parameters import Parameters
 from hotlap.race import PLANT_STEP, Race, ReferenceTime
 from hotlap.records import Flights, Log
+from hotlap.truth import truth_of
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +61,7 @@ def fly_batch(
         seeds: shape (B,).
         numbers: what it is computed in.
         threads: how many; 0 for one a processor.
-        truth: shape (B, P), the vehicle of each flight, in the columns of `plant.TRUTH`.
+        truth: shape (B, P), the vehicle of each flight, in the columns of `truth.TRUTH`.
         log: indices in the batch of the flights to record in full.
 
     Raises:

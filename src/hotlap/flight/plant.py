@@ -15,26 +15,11 @@ from hotlap.flight.lanes import select
 from hotlap.flight.numbers import COMPILE, aligned_zeros
 from hotlap.quadrotor import Layout, Quadrotor, torque_matrix
 from hotlap.race import PLANT_STEP
+from hotlap.truth import TRUTH
 
 Floats = NDArray[np.float64]
 
-TRUTH = (
-    "mass", "inertia_x", "inertia_y", "inertia_z", "arm", "torque_ratio", "rotor_thrust_min", "rotor_thrust_max", "motor_time_up",
-    "motor_time_down", "drag_x", "drag_y", "drag_z", "rotor_drag", "body_drag_x", "body_drag_y", "body_drag_z", "rate_gain_x",
-    "rate_gain_y", "rate_gain_z", "torque_damping", "delay", "gravity",
-)  # fmt: skip
-"""Columns of `truth` in `World.fly`: what may differ from flight to flight, in the units of `Quadrotor`."""
-
 step_plant = compiled_dynamics("plant_step")
-
-
-def truth_of(quadrotor: Quadrotor) -> Floats:
-    """The physical parameters of a quadrotor, shape (P,), in the order of `TRUTH`."""
-    q = quadrotor
-    return np.array([
-        q.mass, *q.inertia, q.arm, q.torque_ratio, *q.rotor_thrust, *q.motor_time, *q.drag, q.rotor_drag, *q.body_drag, *q.rate_gain,
-        q.torque_damping, q.delay, q.gravity,
-    ])  # fmt: skip
 
 
 def vehicle_numbers(truth: Floats, layout: Layout) -> Floats:

@@ -6,26 +6,52 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from hotlap.errors import UnknownNameError
-from hotlap.tuners import cma_es, guided_walk, metropolis_hastings, particle_swarm, random_search, simulated_annealing, tempered
+from hotlap.tuners import (
+    bayesian,
+    cma_es,
+    gradient,
+    gradient_boosting,
+    guided_walk,
+    metropolis_hastings,
+    particle_swarm,
+    random_search,
+    safe_bayesian,
+    simulated_annealing,
+    tempered,
+    trust_region,
+    weighted_likelihood,
+)
+from hotlap.tuners.bayesian import Bayesian
 from hotlap.tuners.cma_es import CmaEs
+from hotlap.tuners.gradient import Gradient
+from hotlap.tuners.gradient_boosting import GradientBoosting
 from hotlap.tuners.guided_walk import GuidedWalk
 from hotlap.tuners.metropolis_hastings import MetropolisHastings
 from hotlap.tuners.particle_swarm import ParticleSwarm
 from hotlap.tuners.random_search import RandomSearch
+from hotlap.tuners.safe_bayesian import SafeBayesian
 from hotlap.tuners.simulated_annealing import SimulatedAnnealing
 from hotlap.tuners.tempered import Tempered
+from hotlap.tuners.trust_region import TrustRegion
 from hotlap.tuners.tuner import Tuner
+from hotlap.tuners.weighted_likelihood import WeightedLikelihood
 
 DEFAULT = "guided_walk"
 
 _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
+    "bayesian": (Bayesian, bayesian.PRESETS),
     "cma_es": (CmaEs, cma_es.PRESETS),
+    "gradient": (Gradient, gradient.PRESETS),
+    "gradient_boosting": (GradientBoosting, gradient_boosting.PRESETS),
     "guided_walk": (GuidedWalk, guided_walk.PRESETS),
     "metropolis_hastings": (MetropolisHastings, metropolis_hastings.PRESETS),
     "particle_swarm": (ParticleSwarm, particle_swarm.PRESETS),
     "random_search": (RandomSearch, random_search.PRESETS),
+    "safe_bayesian": (SafeBayesian, safe_bayesian.PRESETS),
     "simulated_annealing": (SimulatedAnnealing, simulated_annealing.PRESETS),
     "tempered": (Tempered, tempered.PRESETS),
+    "trust_region": (TrustRegion, trust_region.PRESETS),
+    "weighted_likelihood": (WeightedLikelihood, weighted_likelihood.PRESETS),
 }
 
 

@@ -2,7 +2,7 @@
 
 Matern 5/2 kernel, one length for all axes, constant mean (Rasmussen, Williams, "Gaussian processes for machine learning", 2006,
 Eq. 4.17). Length and noise are picked from small grids by marginal likelihood (their Eq. 5.8), the signal's variance in closed form:
-one eigendecomposition for each length serves all noises.
+one eigendecomposition for each length serves all noises. Where bounds must be trusted before there are data, a `Prior` is stated.
 """
 
 from __future__ import annotations
@@ -52,6 +52,59 @@ class Posterior:
         reduced = across @ self.whitening
         variance = np.maximum(1.0 - np.einsum("ij,ij->i", reduced, reduced), 1e-9)
         return self.mean + across @ self.weights, self.scale * np.sqrt(variance)
+
+
+@dataclass(frozen=True)
+class Prior:
+    """A process that is stated beforehand: length of the kernel, standard deviations of the signal and of the noise."""
+
+    length: float
+    signal: float
+    noise: float
+
+    def covariance(self, a: Floats, b: Floats) -> Floats:
+        """Of the signal, shape (m, n), at points of shape (m, d) and (n, d)."""
+        return self.signal**2 * matern(a, b, self.length)
+
+
+@dataclass(frozen=True)
+class Conditioned:
+    """A stated process after some points (Rasmussen, Williams, 2006, Eq. 2.23 and 2.24).
+
+    Attributes:
+        points: shape (n, d).
+        prior: the process.
+        mean: of the prior.
+        whitening: shape (n, n) W, the inverse of L with L L' the covariance of the noisy values.
+        residuals: shape (n,), W (values - mean).
+    """
+
+    points: Floats
+    prior: Prior
+    mean: float
+    whitening: Floats
+    residuals: Floats
+
+    def predict(self, points: Floats) -> tuple[Floats, Floats]:
+        """Mean and standard deviation of the signal, without noise, each of shape (m,), at points of shape (m, d)."""
+        reduced = self._reduce(points)
+        variance = self.prior.signal**2 - (reduced**2).sum(axis=0)
+        return self.mean + self.residuals @ reduced, np.sqrt(np.maximum(variance, 1e-9 * self.prior.signal**2))
+
+    def covariance(self, a: Floats, b: Floats) -> Floats:
+        """Of the signal, without noise, shape (m, n), at points of shape (m, d) and (n, d)."""
+        return self.prior.covariance(a, b) - self._reduce(a).T @ self._reduce(b)
+
+    def _reduce(self, points: Floats) -> Floats:
+        """W k(points), shape (n, m)."""
+        return self.whitening @ self.prior.covariance(self.points, points)
+
+
+def condition(points: Floats, values: Floats, mean: float, prior: Prior) -> Conditioned:
+    """Condition a stated process, with a mean, on noisy values, shape (n,), at points, shape (n, d)."""
+    factor = np.linalg.cholesky(prior.covariance(points, points) + prior.noise**2 * np.eye(len(points)))
+    whitening = np.asarray(np.linalg.inv(factor), dtype=np.float64)
+    return Conditioned(points, prior, mean, whitening, whitening @ (values - mean))
 
 
 def matern(a: Floats, b: Floats, length: float) -> Floats:

@@ -4,7 +4,8 @@
 2. Costs are dense: they tell by how much each gate was missed (`Scores.dense`), so that one flight says as much as it can.
 3. After some steps, candidates around the visited point of lowest posterior mean are judged by mean - k sd; steps are of all
    sizes, and k differs from flight to flight, so that the walk neither freezes nor roams.
-4. With a small probability it leaves from another good point: chance, against being caught in one place.
+4. With a small probability it leaves from another good point, or at first flies anywhere: chance, against being caught in one place, and
+   because the first guess may be far from everything that flies.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ REFIT = 10  # flights between looks at the likelihood
 MEMORY = 200  # points that the process is fitted to
 STEP_SIZES = (math.log(0.1), math.log(1.5))  # of a candidate, in units of `step`
 EAGERNESS = (math.log(0.3), math.log(3.0))  # of k
+ROAMING = 40  # flights, after which it roams no more
 LEAP_SIZES = (0.3, 1.2)
 LEAP_SHARE = 0.1  # of the points known, from which a leap may leave
 
@@ -41,6 +43,7 @@ class Settings:
         correlation: of the steps of two segments; 1 moves all alike, 0 each by itself.
         opening: flights around the best one, before the process guides.
         leaps: share of the flights that leave from another good point.
+        roams: share of the first flights anywhere within the bounds, the same in all segments.
         dense: use the dense cost, else the metric.
     """
 
@@ -48,6 +51,7 @@ class Settings:
     correlation: float = 0.9
     opening: int = 5
     leaps: float = 0.25
+    roams: float = 0.2
     dense: bool = True
 
 
@@ -56,7 +60,8 @@ PRESETS: Mapping[str, Settings] = {
     "tied": Settings(correlation=1.0),
     "independent": Settings(correlation=0.0),
     "sparse": Settings(dense=False),
-    "steady": Settings(leaps=0.0),
+    "steady": Settings(leaps=0.0, roams=0.0),
+    "homely": Settings(roams=0.0),
 }
 
 
@@ -139,6 +144,8 @@ class GuidedWalk:
     def _propose(self) -> Floats:
         """The next point."""
         points, costs = np.array(self._points), self._finite_costs()
+        if self._rng.random() < self.settings.roams and len(costs) < ROAMING:
+            return self._anywhere()
         if len(costs) <= self.settings.opening:
             return points[int(np.argmin(costs))] + self.settings.step * self._steps(1)[0]
         chosen = self._remembered(costs)
@@ -160,6 +167,11 @@ class GuidedWalk:
         mean, deviation = posterior.predict(pool)
         k = math.exp(self._rng.uniform(*EAGERNESS))
         return pool[int(np.argmin(mean - k * deviation))]
+
+    def _anywhere(self) -> Floats:
+        """A point drawn evenly from the logarithms within the bounds, the same in all segments."""
+        segments, size = self._shape_of_parameters
+        return np.tile(np.log(self._space.from_unit(self._rng.random(size))) / self._space.log_step, segments)
 
     def _finite_costs(self) -> Floats:
         """Costs, with what is infinite a little worse than the worst."""

@@ -73,7 +73,7 @@ class BuiltIn:
         truth: NDArray[np.float64] | None = None,
         log: Sequence[int] = (),
     ) -> Flights:
-        """Fly a batch; see `World.fly`. The columns of `truth` are `flight.plant.TRUTH`."""
+        """Fly a batch; see `World.fly`. The columns of `truth` are `truth.TRUTH`."""
         from hotlap.flight.batch import fly_batch  # noqa: PLC0415
 
         numbers = self.sound_numbers(course.race.controller.kind)

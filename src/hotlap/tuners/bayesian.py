@@ -1,0 +1,212 @@
+"""Bayesian optimisation with Gaussian processes (Jones, Schonlau, Welch, J. Global Optimization 13, 1998): a baseline of Table I.
+
+The cost is regressed on the parameters of all segments together, in a unit box, with scikit-learn. The paper names its five kernels
+and nothing else; the rest is what its users would have had: constant mean, one length for all axes, signal, lengths and noise by
+marginal likelihood, costs standardised, expected improvement, ten first flights of a Latin hypercube (as in scikit-optimize).
+Flights are noisy, so that improvement is counted from the lowest posterior mean at a flown point, not from the lowest cost (EI with
+"plug-in": Picheny, Wagner, Ginsbourger, Struct. Multidisc. Optim. 48, 2013).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.records import Scores
+
+Floats = NDArray[np.float64]
+
+WORST = 1e12  # what a larger cost counts as, of either sign
+REFIT = 10  # flights between looks at the likelihood
+MEMORY = 200  # points that the process is fitted to
+POOL = 300  # candidates
+STEP_SIZES = (math.log(0.01), math.log(0.3))  # of candidates around the best, in the unit box
+LOCAL_STEPS = (0.1, 0.03, 0.01)  # around the best candidate, then around the better one
+NEIGHBOURS = 40  # candidates of a local step
+
+
+class Family(Enum):
+    """Kernels of Table I, named as in `kernels.KERNELS`."""
+
+    MATERN = "matern"
+    LOCALLY_PERIODIC = "locally_periodic"
+    RATIONAL_QUADRATIC = "rational_quadratic"
+    SQUARED_EXPONENTIAL = "squared_exponential"
+    PERIODIC = "periodic"
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What tells one optimisation from another.
+
+    Attributes:
+        family: of the kernel.
+        log: whether the unit box is one of logarithms; else of the parameters' own units.
+        opening: flights before the process is asked: the first guess, and a Latin hypercube.
+    """
+
+    family: Family = Family.MATERN
+    log: bool = False
+    opening: int = 10
+
+
+PRESETS: Mapping[str, Settings] = {
+    "matern": Settings(),
+    "locally_periodic": Settings(Family.LOCALLY_PERIODIC),
+    "rational_quadratic": Settings(Family.RATIONAL_QUADRATIC),
+    "squared_exponential": Settings(Family.SQUARED_EXPONENTIAL),
+    "periodic": Settings(Family.PERIODIC),
+    "log": Settings(log=True),
+}
+
+
+class Bayesian:
+    """The opening may be asked for in batches; after it each `ask` gives one proposal, the same one until it is told."""
+
+    def __init__(self, name: str, settings: Settings) -> None:
+        self.name, self.settings = name, settings
+
+    def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
+        """Lay out the opening."""
+        self._space, self._rng, self._shape = space, rng, first_guess.shape
+        self._first = space.clip(first_guess)
+        self._points: list[list[float]] = []
+        self._costs: list[float] = []
+        self._theta: list[float] | None = None  # logarithms of the hyperparameters
+        hypercube = latin_hypercube(self.settings.opening - 1, first_guess.size, rng)
+        self._queue: list[list[float]] = [self._encode(self._first).tolist(), *hypercube.tolist()]
+
+    def ask(self, n: int) -> Parameters:
+        """What is left of the opening, at most n, else one proposal, shape (1 to n, S, K); the first one is the first guess."""
+        if not self._queue:
+            self._queue = [self._propose().tolist()]
+        asked = self._decode(np.array(self._queue[:n]))
+        if not self._points:
+            asked[0] = self._first  # without the rounding of the unit box
+        return asked
+
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
+        """Remember; true where a flight is the best so far."""
+        better = []
+        for cost in scores.cost.tolist():
+            known = min(self._costs, default=math.inf)
+            self._costs.append(min(max(cost, -WORST), WORST) if math.isfinite(cost) else math.inf)
+            better.append(self._costs[-1] <= known and math.isfinite(cost))
+        self._points += self._queue[: len(parameters)]
+        self._queue = self._queue[len(parameters) :]
+        return np.array(better, dtype=np.bool_)
+
+    def state(self) -> dict[str, Any]:
+        """Every flight, the hyperparameters, what is to be flown next and the random generator."""
+        return {
+            "points": [list(point) for point in self._points],
+            "costs": [cost if math.isfinite(cost) else None for cost in self._costs],  # JSON has no infinity
+            "theta": None if self._theta is None else list(self._theta),
+            "queue": [list(point) for point in self._queue],
+            "rng": self._rng.bit_generator.state,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on where `state()` was taken."""
+        self._points = [list(point) for point in state["points"]]
+        self._costs = [math.inf if cost is None else cost for cost in state["costs"]]
+        self._theta = None if state["theta"] is None else list(state["theta"])
+        self._queue = [list(point) for point in state["queue"]]
+        self._rng.bit_generator.state = state["rng"]
+
+    def _propose(self) -> Floats:
+        """The point of largest expected improvement that is found, shape (S K,)."""
+        from hotlap.tuners import kernels  # noqa: PLC0415  it loads scikit-learn
+
+        costs = np.array(self._costs)
+        chosen = remembered(costs)
+        points, values = np.array(self._points)[chosen], standardise(costs[chosen])
+        covariance = kernels.covariance_of(self.settings.family.value)
+        with kernels.one_thread():
+            if self._theta is None or len(self._costs) % REFIT == 0:
+                self._theta = kernels.likeliest(covariance, points, values, self._theta)
+            process = kernels.condition(covariance, points, values, self._theta)
+            means = process.predict(points)
+
+            def merit(candidates: Floats) -> Floats:
+                mean, deviation = process.predict(candidates, return_std=True)
+                return log_expected_improvement(mean, deviation, float(means.min()))
+
+            return self._climb(merit, self._pool(points[int(means.argmin())]))
+
+    def _climb(self, merit: Callable[[Floats], Floats], candidates: Floats) -> Floats:
+        """The best of some candidates, shape (count, S K), and then of ever smaller steps from it, shape (S K,)."""
+        for step in LOCAL_STEPS:
+            best = candidates[int(merit(candidates).argmax())]
+            candidates = np.vstack([best, self._around(best, np.full((NEIGHBOURS, 1), step))])
+        return candidates[int(merit(candidates).argmax())]
+
+    def _pool(self, best: Floats) -> Floats:
+        """Candidates, shape (POOL, S K): a half anywhere, a half around the best known point."""
+        sizes = np.exp(self._rng.uniform(*STEP_SIZES, (POOL // 2, 1)))
+        return np.vstack([self._rng.random((POOL // 2, len(best))), self._around(best, sizes)])
+
+    def _around(self, centre: Floats, sizes: Floats) -> Floats:
+        """Gaussian steps of sizes, shape (count, 1), clipped at the box; every second one along some of the axes only."""
+        steps = sizes * self._rng.standard_normal((len(sizes), len(centre)))
+        steps[::2] *= self._rng.random(steps[::2].shape) < 0.5
+        return np.clip(centre + steps, 0, 1)
+
+    def _encode(self, parameters: Parameters) -> Floats:
+        """The point of parameters, shape (S K,)."""
+        if self.settings.log:
+            return self._space.to_unit(parameters).ravel()
+        return ((parameters - self._space.low) / (self._space.high - self._space.low)).ravel()
+
+    def _decode(self, points: Floats) -> Parameters:
+        """Parameters at points, shape (count, S, K)."""
+        unit = points.reshape(-1, *self._shape)
+        if self.settings.log:
+            return self._space.from_unit(unit)
+        return self._space.clip(self._space.low + unit * (self._space.high - self._space.low))
+
+
+def latin_hypercube(count: int, size: int, rng: np.random.Generator) -> Floats:
+    """Points in the unit box, shape (count, size), one in each of `count` slices of every axis (McKay and others, 1979)."""
+    slices = rng.permuted(np.tile(np.arange(count)[:, None], size), axis=0)
+    return (slices + rng.random((count, size))) / count
+
+
+def standardise(costs: Floats) -> Floats:
+    """Costs with mean 0 and variance 1, shape (n,); what is infinite is a little worse than the worst."""
+    finite = costs[np.isfinite(costs)]
+    worst = finite.max() + 0.1 * finite.std() if len(finite) else 0.0
+    full = np.where(np.isfinite(costs), costs, worst)
+    return (full - full.mean()) / max(full.std(), 1e-9 * max(1.0, abs(full.mean())))
+
+
+def remembered(costs: Floats) -> NDArray[np.intp]:
+    """The points that are fitted: all, or the best and the latest half of `MEMORY`."""
+    if len(costs) <= MEMORY:
+        return np.arange(len(costs))
+    best = np.argsort(costs, kind="stable")[: MEMORY // 2]
+    return np.union1d(best, np.arange(len(costs) - MEMORY // 2, len(costs)))
+
+
+def log_expected_improvement(mean: Floats, deviation: Floats, incumbent: float) -> Floats:
+    """log of E[max(incumbent - y, 0)], y ~ N(mean, deviation^2), shape (n,).
+
+    EI = deviation (phi(z) + z Phi(z)), z = (incumbent - mean) / deviation (Jones and others, 1998, Eq. 15); as a logarithm, far
+    below the incumbent too, where EI underflows (Ament and others, NeurIPS 2023).
+    """
+    from scipy.special import erfcx, ndtr  # noqa: PLC0415  as above
+
+    deviation = np.maximum(deviation, 1e-12)
+    z = (incumbent - mean) / deviation
+    near, far = np.maximum(z, -1.0), np.clip(z, -1e4, -1.0)
+    above = np.log(np.exp(-0.5 * near**2) / math.sqrt(2 * math.pi) + near * ndtr(near))
+    ratio = np.log1p(far * math.sqrt(math.pi / 2) * erfcx(-far / math.sqrt(2)))  # log(1 + z Phi(z) / phi(z))
+    below = -0.5 * z**2 - 0.5 * math.log(2 * math.pi) + ratio
+    return np.log(deviation) + np.where(z > -1, above, below)

@@ -1,0 +1,237 @@
+"""Safe Bayesian optimisation, for tuning on hardware: no flight is asked for that is expected to fall below a floor.
+
+SafeOpt: Sui, Gotovos, Burdick, Krause, ICML 2015; without a Lipschitz constant and for quadrotors: Berkenkamp, Schoellig, Krause,
+ICRA 2016. One line after another through many dimensions: LineBO, Kirschner and others, ICML 2019.
+
+The performance is J = -log(1 + dense cost); the floor J_min is the first guess's, less a tolerance. It is kept by the performance
+without noise, with confidence beta and if the prior is true: single flights fall below it by chance, as some of the first guess do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.records import Scores
+from hotlap.tuners.gaussian_process import Conditioned, Prior, condition
+from hotlap.tuners.subspace import SPACING, Direction, Lattice, axes_of, draw_direction
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+DEPTH = 2.0  # of the signal's standard deviations below the floor: what is worse counts as that
+PRIOR = Prior(length=2.0, signal=2.0, noise=0.7)  # the likeliest for flights of ten random tracks, along lines through the default
+WORST = -800.0  # performance of a flight without a cost; the largest number's is -710
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What tells one search from another; lengths are in steps of `log_step`, performances in natural logarithms.
+
+    Attributes:
+        subspace: directions searched together, as far as a controller has them; where it has none, random lines through all axes.
+        line: flights on a line.
+        tolerance: times the first guess's 1 + dense cost that is still at the floor.
+        baseline: flights of the first guess, at least, that the floor and the noise are taken from.
+        beta: standard deviations from the mean to the confidence bounds, beta^(1/2) in the papers.
+        prior: what is believed of the performance; its noise is the least, the baseline may show more.
+        optimistic: fly the highest upper bound of the safe set; else the most uncertain of its maximisers and expanders.
+        dense: use the dense cost, else the metric.
+    """
+
+    subspace: tuple[Direction, ...] = (Direction.GAIN, Direction.HORIZON)
+    line: int = 8
+    tolerance: float = 3.0
+    baseline: int = 5
+    beta: float = 2.0  # Berkenkamp and others, 2016
+    prior: Prior = PRIOR
+    optimistic: bool = False
+    dense: bool = True
+
+
+PRESETS: Mapping[str, Settings] = {
+    "plane": Settings(optimistic=True),
+    "safeopt": Settings(),
+    "damping": Settings(subspace=(Direction.GAIN, Direction.DAMPING), optimistic=True),
+    "lines": Settings(subspace=(), optimistic=True),
+    "lines_safeopt": Settings(subspace=()),
+}
+
+
+class SafeBayesian:
+    """Flies the first guess, then what is safe with confidence. Each `ask` gives one proposal, the same one until it is told.
+
+    If the first guess crashes, which is to have no cost or to pass no gate, no safe set is known. The search then goes on in the
+    smallest steps from the best flight so far, without any assurance, until a flight passes a gate: that one becomes the first guess.
+    """
+
+    def __init__(self, name: str, settings: Settings) -> None:
+        self.name, self.settings = name, settings
+
+    def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
+        """Begin at the first guess; a point, shape (K,), is how far all segments are moved from it."""
+        self._space, self._rng = space, rng
+        self._first = space.clip(first_guess)
+        self._low = ((np.log(space.low) - np.log(self._first)) / space.log_step).min(axis=0)
+        self._high = ((np.log(space.high) - np.log(self._first)) / space.log_step).max(axis=0)
+        turned = axes_of(self.settings.subspace, space.names)
+        self._lines = len(turned) == 0
+        self._axes = np.eye(space.size) if self._lines else turned
+        self._points: list[list[float]] = []
+        self._performances: list[float] = []
+        self._crashed: list[bool] = []
+        self._proposal: Floats | None = np.zeros(space.size)
+        self._lattice = self._lay(self._proposal)
+        self._left = 0  # flights on the line
+
+    def ask(self, n: int) -> Parameters:  # noqa: ARG002  one at a time: every flight tells what is safe
+        """The proposal, shape (1, S, K), whatever n; the first one is the first guess."""
+        if self._proposal is None:
+            self._proposal = self._propose()
+        return self._decode(self._proposal)[None]
+
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  they are the proposal's
+        """Remember; true where the flight is the best so far."""
+        [cost], [completion] = (scores.dense if self.settings.dense else scores.cost).tolist(), scores.completion.tolist()
+        performance = -math.log1p(max(cost, 0.0)) if math.isfinite(cost) else WORST
+        better = performance >= max(self._performances, default=WORST)
+        assert self._proposal is not None, "nothing was asked for"  # noqa: S101  our own mistake
+        self._points.append(self._proposal.tolist())
+        self._performances.append(performance)
+        self._crashed.append(performance == WORST or completion <= 0.0)
+        self._proposal = None
+        return np.array([better])
+
+    def state(self) -> dict[str, Any]:
+        """Every flight, the lattice, a proposal under way, the random generator; and, to be read, the violations."""
+        return {
+            "points": [list(point) for point in self._points],
+            "performances": list(self._performances),
+            "crashed": list(self._crashed),
+            "proposal": None if self._proposal is None else self._proposal.tolist(),
+            "lattice": {name: value.tolist() for name, value in asdict(self._lattice).items()},
+            "left": self._left,
+            "violations": self.violations,
+            "rng": self._rng.bit_generator.state,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on where `state()` was taken."""
+        self._points = [list(point) for point in state["points"]]
+        self._performances, self._crashed = list(state["performances"]), list(state["crashed"])
+        self._proposal = None if state["proposal"] is None else np.array(state["proposal"])
+        self._lattice = Lattice(**{name: np.array(value) for name, value in state["lattice"].items()})
+        self._left = state["left"]
+        self._rng.bit_generator.state = state["rng"]
+
+    @property
+    def floor(self) -> float:
+        """J_min: mean performance of the first guess, less log(tolerance); without limit as long as all flights have crashed."""
+        return -math.inf if all(self._crashed) else float(self._baseline().mean()) - math.log(self.settings.tolerance)
+
+    @property
+    def violations(self) -> int:
+        """Flights below the floor, those of the first guess among them."""
+        return int((np.array(self._performances) < self.floor).sum())
+
+    def report(self) -> str:
+        """The violations in words."""
+        flights = len(self._performances)
+        if all(self._crashed):
+            return f"no safe parameters are known: all of {flights} flights crashed"
+        level, own = math.expm1(min(-self.floor, 700.0)), self._baseline()
+        known = f"{int((own < self.floor).sum())} of {len(own)} with the first guess itself"
+        return f"{self.violations} of {flights} flights below the floor, which is a cost of {level:.3g}; {known}"
+
+    def _anchor(self) -> list[float]:
+        """The initial safe set S_0: the first point that was flown without a crash."""
+        return self._points[self._crashed.index(False)]
+
+    def _baseline(self) -> Floats:
+        """Performances of the first guess, of flights that did not crash."""
+        anchor, flights = self._anchor(), zip(self._points, self._performances, self._crashed, strict=True)
+        return np.array([performance for point, performance, crashed in flights if point == anchor and not crashed])
+
+    def _propose(self) -> Floats:
+        """The next point."""
+        if all(self._crashed):
+            return self._creep()
+        if self._points.count(self._anchor()) < self.settings.baseline:
+            return np.array(self._anchor())
+        posterior = self._posterior()
+        if self._lines:
+            self._follow_line(posterior)
+        points = np.vstack([self._anchor(), self._lattice.points(self._low, self._high)])
+        return points[choose(posterior, points, self.floor, self.settings)]
+
+    def _creep(self) -> Floats:
+        """One spacing, in a random direction, from the best flight, the latest of equals."""
+        best = max(range(len(self._points)), key=lambda i: (self._performances[i], i))
+        return np.clip(self._points[best] + SPACING * draw_direction(self._axes, self._rng)[0], self._low, self._high)
+
+    def _posterior(self) -> Conditioned:
+        """After all flights; away from them the performance is believed to be at the floor."""
+        prior, noise = self.settings.prior, float(self._baseline().std())
+        values = np.maximum(self._performances, self.floor - DEPTH * prior.signal)
+        return condition(np.array(self._points), values, self.floor, Prior(prior.length, prior.signal, max(prior.noise, noise)))
+
+    def _follow_line(self, posterior: Conditioned) -> None:
+        """Count flights on a line; when it is done, lay the next one through the flight of the highest lower bound."""
+        if self._left == 0:
+            flown = np.array(self._points)
+            mean, deviation = posterior.predict(flown)
+            self._lattice = self._lay(flown[int(np.argmax(mean - self.settings.beta * deviation))])
+            self._left = self.settings.line
+        self._left -= 1
+
+    def _lay(self, origin: Floats) -> Lattice:
+        """The subspace, or a random line, through a point."""
+        axes = draw_direction(self._axes, self._rng) if self._lines else self._axes
+        return Lattice(origin, axes, SPACING * self._rng.random(len(axes)))
+
+    def _decode(self, point: Floats) -> Parameters:
+        """Parameters at a point, shape (S, K); exactly the first guess where nothing is moved."""
+        moved = self._space.clip(np.exp(np.log(self._first) + point * self._space.log_step))
+        return np.where(point == 0.0, self._first, moved)
+
+
+def choose(posterior: Conditioned, points: Floats, floor: float, settings: Settings) -> int:
+    """Index of the next point: of the safe set S_n = {l_n >= J_min}, of which the first point always is.
+
+    SafeOpt takes the widest bounds of the maximisers M_n = {u_n >= max l_n} and the expanders G_n (Berkenkamp and others, Sec. IV).
+    """
+    mean, deviation = posterior.predict(points)
+    lower, upper = mean - settings.beta * deviation, mean + settings.beta * deviation  # Q_n = [l_n, u_n]
+    safe = lower >= floor
+    safe[0] = True
+    if settings.optimistic:
+        return int(np.argmax(np.where(safe, upper, -np.inf)))
+    useful = safe & (upper >= lower[safe].max())
+    rivals = np.flatnonzero(safe & ~useful & (deviation > deviation[useful].max()))
+    useful[rivals] = expanders(posterior, points[rivals], points[~safe], floor, settings.beta)
+    return int(np.argmax(np.where(useful, deviation, -np.inf)))
+
+
+def expanders(posterior: Conditioned, points: Floats, unsafe: Floats, floor: float, beta: float) -> Flags:
+    """Whether a point, were it as good as its upper bound, would make an unsafe one safe: g_n > 0, shape (m,).
+
+    Differs from the authors' code: the supposed performance is u_n without noise, since u_n bounds that.
+
+    Args:
+        posterior: of the performance.
+        points: shape (m, K).
+        unsafe: shape (n, K).
+        floor: J_min.
+        beta: standard deviations from mean to bound.
+    """
+    deviation = posterior.predict(points)[1]
+    mean, old = posterior.predict(unsafe)
+    gain = posterior.covariance(unsafe, points) / deviation  # standard deviations of f at `unsafe` that one at `points` explains
+    spread = np.sqrt(np.maximum(old[:, None] ** 2 - gain**2, 0.0))
+    return np.asarray((mean[:, None] + beta * gain - beta * spread >= floor).any(axis=0), dtype=np.bool_)

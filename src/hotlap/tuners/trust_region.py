@@ -1,0 +1,210 @@
+"""TuRBO-1: Bayesian optimisation in one trust region (Eriksson, Pearce, Gardner, Turner, Poloczek, NeurIPS 2019).
+
+A box around the best point, longer along axes on which the cost depends less, doubles after successes and halves after failures;
+what is flown next is the lowest of many candidates in it, by a function drawn from a Gaussian process (Thompson sampling). A box that
+has become too small is given up, and another begun from new points. Parameters lie in a unit box, of logarithms or of their own units.
+
+Differs from the released code: the centre is the point of lowest posterior mean, as the paper has it for noisy costs; a function is
+drawn by Matheron's rule and without noise; the kernel is refitted every few flights, from the last one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.records import Scores
+from hotlap.tuners.anisotropic_process import Kernel, draw_paths, most_likely
+
+Floats = NDArray[np.float64]
+
+FIRST_SIDE, LEAST_SIDE, LARGEST_SIDE = 0.8, 2**-7, 1.6  # L_init, L_min, L_max
+SUCCESSES = 3  # in a row, after which the box doubles
+LEAST_FAILURES = 4  # flights in a row, or one for each axis, after which it halves
+GAIN = 1e-3  # share of the best cost by which a success must be lower
+FIRST_LENGTH, FIRST_NOISE = 0.5, 0.005  # where the likelihood is climbed from
+REFIT = 5  # flights between climbs
+CANDIDATES = (100, 5000)  # for each axis, and at most; the power of two below is taken
+MOVED = 20  # axes along which a candidate leaves the centre, on average
+LEAST_INITIAL = 10
+MEMORY = 300  # points that the process is fitted to
+WORST = 1e12  # what a cost counts as at most
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What tells one search from another.
+
+    Attributes:
+        initial: space-filling points for each axis, at least `LEAST_INITIAL` points, before the process guides. The released code
+            recommends 2; with 35 axes these would be a third of 200 flights, hence 1.
+        batch: most flights that are drawn at once.
+        log: whether the unit box is one of logarithms; else of the parameters' own units.
+        tied: one set of parameters for all segments.
+        dense: use the dense cost, else the metric.
+    """
+
+    initial: float = 1.0
+    batch: int = 1
+    log: bool = True
+    tied: bool = False
+    dense: bool = False
+
+
+PRESETS: Mapping[str, Settings] = {
+    "default": Settings(),
+    "raw": Settings(log=False),
+    "dense": Settings(dense=True),
+    "tied": Settings(tied=True),
+}
+
+
+class TrustRegion:
+    """One trust region after the other. An ask gives what waits to be flown, the same until it is told."""
+
+    def __init__(self, name: str, settings: Settings) -> None:
+        self.name, self.settings = name, settings
+
+    def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
+        """Begin with the first guess, and points that fill the space."""
+        self._space, self._rng, self._shape = space, rng, first_guess.shape
+        self._first, self._flown = space.clip(first_guess), 0
+        guess = self._encode(self._first)
+        self._size = len(guess)
+        self._begin(guess[None])
+
+    def ask(self, n: int) -> Parameters:
+        """At most n points that wait, shape (1 to n, S, K); the first one is the first guess."""
+        if not len(self._waiting):
+            self._waiting = self._draw(min(n, self.settings.batch))
+        parameters = self._decode(self._waiting[:n])
+        if self._flown == 0:
+            parameters[0] = self._first  # without the rounding of the unit box
+        return parameters
+
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
+        """Remember, and adjust the box; true where a flight is the best of this box so far."""
+        costs = np.nan_to_num(np.clip(scores.dense if self.settings.dense else scores.cost, -WORST, WORST), nan=WORST)
+        count, before = len(parameters), self._costs
+        told, self._waiting = self._waiting[:count], self._waiting[count:]
+        self._points, self._costs = np.vstack([self._points, told]), np.append(before, costs)
+        self._flown += count
+        if len(self._costs) > self._initial:
+            self._adjust(float(before.min()), costs)
+        known = np.minimum.accumulate(np.append(before.min(initial=np.inf), costs))
+        return np.asarray((costs <= known[:-1]) & (costs < WORST), dtype=np.bool_)
+
+    def state(self) -> dict[str, Any]:
+        """What this box knows, what waits, and the random generator."""
+        kernel = self._kernel
+        return {
+            "points": self._points.tolist(),
+            "costs": self._costs.tolist(),
+            "waiting": self._waiting.tolist(),
+            "side": self._side,
+            "counts": [self._flown, self._initial, self._successes, self._failures, self._fitted],
+            "kernel": None if kernel is None else [kernel.lengths.tolist(), kernel.noise],
+            "rng": self._rng.bit_generator.state,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on where `state()` was taken."""
+        self._points, self._waiting = (np.array(state[name], dtype=np.float64).reshape(-1, self._size) for name in ("points", "waiting"))
+        self._costs, self._side = np.array(state["costs"], dtype=np.float64), state["side"]
+        self._flown, self._initial, self._successes, self._failures, self._fitted = state["counts"]
+        self._kernel = None if state["kernel"] is None else Kernel(np.array(state["kernel"][0]), state["kernel"][1])
+        self._rng.bit_generator.state = state["rng"]
+
+    def _begin(self, points: Floats) -> None:
+        """A new box: nothing is known, and some points and those that fill the space wait."""
+        filling = latin_hypercube(max(LEAST_INITIAL, round(self.settings.initial * self._size)), self._size, self._rng)
+        self._waiting: Floats = np.vstack([points, filling])
+        self._initial = len(self._waiting)
+        self._points, self._costs = np.empty((0, self._size)), np.empty(0)
+        self._side, self._successes, self._failures = FIRST_SIDE, 0, 0
+        self._kernel: Kernel | None = None
+        self._fitted = 0
+
+    def _adjust(self, best: float, costs: Floats) -> None:
+        """Count successes, batches that improve on the best cost, and failures, flights of the others: tau_fail = max(4, d) / q batches."""
+        if costs.min() < best - GAIN * abs(best):
+            self._successes, self._failures = self._successes + 1, 0
+        else:
+            self._successes, self._failures = 0, self._failures + len(costs)
+        if self._successes == SUCCESSES:
+            self._side, self._successes = min(2 * self._side, LARGEST_SIDE), 0
+        elif self._failures >= max(LEAST_FAILURES, self._size):
+            self._side, self._failures = self._side / 2, 0
+        if self._side < LEAST_SIDE:
+            self._begin(np.empty((0, self._size)))
+
+    def _draw(self, count: int) -> Floats:
+        """For each of `count` functions drawn from the posterior the lowest candidate, none twice, shape (count, d)."""
+        points, costs = self._remembered()
+        if self._kernel is None or len(self._costs) - self._fitted >= REFIT:
+            start = self._kernel or Kernel(np.full(self._size, FIRST_LENGTH), FIRST_NOISE)
+            self._kernel, self._fitted = most_likely(points, costs, start), len(self._costs)
+        lengths = self._kernel.lengths
+        posterior = self._kernel.condition(points, costs)
+        centre = points[int(np.argmin(posterior.predict(points / lengths)[0]))]
+        candidates = self._candidates(centre, lengths)
+        values = draw_paths(posterior, self._kernel.noise, count, self._rng).at(candidates / lengths)
+        chosen = []
+        for drawn in values.T:
+            chosen.append(int(np.argmin(drawn)))
+            values[chosen[-1]] = np.inf
+        return candidates[chosen]
+
+    def _candidates(self, centre: Floats, lengths: Floats) -> Floats:
+        """Points that fill the box, each moved back to the centre along some axes if there are many, shape (count, d)."""
+        sides = self._side * lengths / np.exp(np.log(lengths).mean())  # L_i = lambda_i L / (prod lambda_j)^(1/d), Sec. 2
+        low, high = np.clip(centre - sides / 2, 0, 1), np.clip(centre + sides / 2, 0, 1)
+        per_axis, most = CANDIDATES
+        points = low + (high - low) * shifted_sobol(min(per_axis * self._size, most), self._size, self._rng)
+        moved = self._rng.random(points.shape) < MOVED / self._size
+        moved[np.arange(len(points)), self._rng.integers(self._size, size=len(points))] |= ~moved.any(axis=1)
+        return np.where(moved, points, centre)
+
+    def _remembered(self) -> tuple[Floats, Floats]:
+        """Points and costs to fit: all, or the best and the latest half of `MEMORY`; what counts as worst is put just above the others."""
+        latest = np.arange(max(0, len(self._costs) - MEMORY // 2), len(self._costs))
+        chosen = np.union1d(np.argsort(self._costs, kind="stable")[: MEMORY // 2], latest)
+        costs = self._costs[chosen]
+        proper = costs[costs < WORST]
+        worst = float(proper.max() + (proper.std() or 1.0)) if len(proper) else WORST
+        return self._points[chosen], np.minimum(costs, worst)
+
+    def _encode(self, parameters: Parameters) -> Floats:
+        """The point of parameters, shape (S K,), or (K,) where they are tied."""
+        space = self._space
+        unit = space.to_unit(parameters) if self.settings.log else (parameters - space.low) / (space.high - space.low)
+        return np.clip(unit.mean(axis=0) if self.settings.tied else unit.ravel(), 0, 1)
+
+    def _decode(self, points: Floats) -> Parameters:
+        """Parameters at points, shape (count, S, K)."""
+        segments, size = self._shape
+        unit = np.repeat(points[:, None], segments, axis=1) if self.settings.tied else points.reshape(-1, segments, size)
+        return (
+            self._space.from_unit(unit)
+            if self.settings.log
+            else self._space.clip(self._space.low + unit * (self._space.high - self._space.low))
+        )
+
+
+def latin_hypercube(count: int, size: int, rng: np.random.Generator) -> Floats:
+    """Points of the unit box, one in each of `count` slices of every axis, shape (count, size) (McKay, Beckman, Conover, 1979)."""
+    slices = rng.permuted(np.tile(np.arange(count), (size, 1)), axis=1).T
+    return (slices + rng.random((count, size))) / count
+
+
+def shifted_sobol(count: int, size: int, rng: np.random.Generator) -> Floats:
+    """Sobol's points, the power of two next below `count`, randomly shifted around the unit box (Cranley, Patterson, 1976)."""
+    from scipy.stats.qmc import Sobol  # noqa: PLC0415  it loads scipy.stats
+
+    points = Sobol(size, scramble=False).random_base2(int(np.log2(count)))
+    return np.asarray((points + rng.random(size)) % 1.0, dtype=np.float64)

@@ -1,0 +1,180 @@
+"""Weighted maximum likelihood (WML): episodic policy search for a controller's high-level parameters.
+
+Song, Scaramuzza, "Policy search for model predictive control with application to agile drone flight", IEEE T-RO 2022; for the
+weights of a racing controller: Romero and others, "Weighted maximum likelihood for controller tuning", ICRA 2023. A Gaussian policy
+over parameters is sampled, every sample is weighted by its reward, and the policy is fitted to the weighted samples in closed form.
+Here the policy is one of logarithms and the reward is R = -log(1 + cost), so that a single wreck does not drown all differences.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.parameters import Parameters, ParameterSpace, reflect
+from hotlap.records import Scores
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What tells one policy search from another.
+
+    Attributes:
+        samples: N, flights of an iteration: few, so that 200 flights hold twenty fits.
+        greed: beta times the spread of the rewards in an iteration; the worst sample weighs exp(-greed) of the best.
+        sigma: first standard deviation, in natural logarithms times the space's `log_step`.
+        floor: standard deviation that is added to every fit, likewise: exploration never ends.
+        tied: one step for all segments.
+        dense: use the dense cost, else the metric.
+    """
+
+    samples: int = 10
+    greed: float = 10.0
+    sigma: float = 0.5
+    floor: float = 0.1
+    tied: bool = True
+    dense: bool = False
+
+
+PRESETS: Mapping[str, Settings] = {
+    "tied": Settings(),
+    "segments": Settings(samples=20, tied=False),
+    "dense": Settings(dense=True),
+}
+
+
+@dataclass(frozen=True)
+class Policy:
+    """Gaussian over offsets from the first guess.
+
+    Attributes:
+        mean: shape (d,).
+        covariance: shape (d, d).
+    """
+
+    mean: Floats
+    covariance: Floats
+
+    def draw(self, count: int, rng: np.random.Generator) -> Floats:
+        """Samples, shape (count, d)."""
+        factor = np.linalg.cholesky(self.covariance)
+        return self.mean + rng.standard_normal((count, len(self.mean))) @ factor.T
+
+    def fit(self, samples: Floats, weights: Floats, floor: float) -> Policy:
+        """The policy that is most likely after weighted samples.
+
+        Differs from the papers: they have more samples than dimensions. Here the old covariance counts as much as d samples, the
+        least that keeps the new one regular; and `floor` squared is added on the diagonal.
+
+        Args:
+            samples: shape (N, d).
+            weights: shape (N,), positive.
+            floor: standard deviation.
+        """
+        size, total = len(self.mean), weights.sum()
+        effective = total**2 / (weights**2).sum()  # Kish, 1965: as many equal weights say as much
+        mean = weights @ samples / total  # mu = sum d_i z_i / sum d_i
+        strayed = samples - mean
+        normaliser = total - (weights**2).sum() / total  # Z = ((sum d)^2 - sum d^2) / sum d, Deisenroth, Neumann, Peters, 2013
+        scatter = (weights[:, None] * strayed).T @ strayed / normaliser  # Sigma = sum d_i (z_i - mu)(z_i - mu)' / Z
+        share = effective / (effective + size)
+        return Policy(mean, share * (scatter + floor**2 * np.eye(size)) + (1 - share) * self.covariance)
+
+
+def weigh(costs: Floats, greed: float) -> Floats:
+    """d_i = exp(beta (R_i - max R)), beta = greed / (max R - min R), shape (N,); all 1 where no cost differs.
+
+    A range that sets beta: Theodorou, Buchli, Schaal, JMLR 2010, with 10 for `greed`.
+
+    Args:
+        costs: shape (N,), less is better; what is not finite counts as the worst that is.
+        greed: how much the best outweighs the worst, as a logarithm.
+    """
+    finite = np.isfinite(costs)
+    if not finite.any():
+        return np.ones(len(costs))
+    rewards = -np.log1p(np.maximum(np.where(finite, costs, costs[finite].max()), 0.0))
+    spread = rewards.max() - rewards.min()
+    return np.exp(greed * (rewards - rewards.max()) / spread) if spread > 0 else np.ones(len(costs))
+
+
+class WeightedLikelihood:
+    """An iteration at a time; the first sample of the first one is the first guess, the policy's first mean."""
+
+    def __init__(self, name: str, settings: Settings) -> None:
+        self.name, self.settings = name, settings
+
+    def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
+        """Begin around the first guess."""
+        self._space, self._rng, self._first = space, rng, space.clip(first_guess)
+        low, high = (np.log(bound / self._first) / space.log_step for bound in (space.low, space.high))
+        self._low, self._high = (low.min(axis=0), high.max(axis=0)) if self.settings.tied else (low.ravel(), high.ravel())
+        size = len(self._low)
+        self._policy = Policy(np.zeros(size), self.settings.sigma**2 * np.eye(size))
+        self._best, self._costs = math.inf, [0.0][:0]
+        self._samples = self._draw()
+        self._samples[0] = 0.0
+
+    def ask(self, n: int) -> Parameters:
+        """What is left of an iteration, at most n, shape (1 to n, S, K); the same until it is told."""
+        told = len(self._costs)
+        return self._decode(self._samples[told : told + n])
+
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  they were asked for in order
+        """Collect an iteration; when it is whole, fit the policy. True where a flight was the best so far."""
+        costs = (scores.dense if self.settings.dense else scores.cost).tolist()
+        better = []
+        for cost in costs:
+            better.append(math.isfinite(cost) and cost <= self._best)
+            self._best = cost if better[-1] else self._best
+        self._costs += costs
+        if len(self._costs) == len(self._samples):
+            self._improve()
+        return np.array(better, dtype=np.bool_)
+
+    def state(self) -> dict[str, Any]:
+        """The policy, the iteration under way and the random generator."""
+        return {
+            "mean": self._policy.mean.tolist(),
+            "covariance": self._policy.covariance.tolist(),
+            "samples": self._samples.tolist(),
+            "costs": [_plain(cost) for cost in self._costs],
+            "best": _plain(self._best),
+            "rng": self._rng.bit_generator.state,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on where `state()` was taken."""
+        self._policy = Policy(np.array(state["mean"]), np.array(state["covariance"]))
+        self._samples = np.array(state["samples"])
+        self._costs = [math.inf if cost is None else cost for cost in state["costs"]]
+        self._best = math.inf if state["best"] is None else state["best"]
+        self._rng.bit_generator.state = state["rng"]
+
+    def _improve(self) -> None:
+        """Fit the policy, if the iteration has taught anything, and draw the next iteration."""
+        weights = weigh(np.array(self._costs), self.settings.greed)
+        if (weights < 1).any():
+            self._policy = self._policy.fit(self._samples, weights, self.settings.floor)
+        self._samples, self._costs = self._draw(), []
+
+    def _draw(self) -> Floats:
+        """Samples, mirrored at the bounds, shape (N, d)."""
+        return reflect(self._policy.draw(self.settings.samples, self._rng), self._low, self._high)
+
+    def _decode(self, offsets: Floats) -> Parameters:
+        """Parameters at offsets, shape (count, d), from the first guess, shape (count, S, K)."""
+        steps = offsets.reshape(len(offsets), -1, self._space.size) * self._space.log_step
+        return self._space.clip(self._first * np.exp(steps))
+
+
+def _plain(cost: float) -> float | None:
+    """A cost in JSON, which has no infinity."""
+    return cost if math.isfinite(cost) else None
