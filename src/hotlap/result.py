@@ -24,6 +24,7 @@ class Result:
         best: the parameters found, with the means over the flights that found and confirmed them.
         validation: of these parameters; None if none was asked for.
         validation_flights: of all validations, also of candidates that did not hold.
+        remark: what the tuner itself has to say of the run, as of flights below a floor; "" for most.
         wall_time: [s] of all turns, over all processes that worked on the study.
     """
 
@@ -37,6 +38,7 @@ class Result:
     validation: Validation | None
     validation_flights: int
     wall_time: float
+    remark: str = ""
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON, in the keys of `hotlap tune --json`."""
@@ -54,6 +56,7 @@ class Result:
             "lap_time": _finite(self.best.lap_time),
             "cost": _finite(self.best.cost),
             "wall_time": self.wall_time,
+            "remark": self.remark,
         }
 
 

@@ -27,6 +27,7 @@ from hotlap.ledger import Ledger
 from hotlap.objective import Objective
 from hotlap.result import Result
 from hotlap.seeds import Stream
+from hotlap.tuners.tuner import remark_of
 from hotlap.tuning import Batch, Tuning, tune
 
 RUNS = Path("runs")
@@ -129,6 +130,7 @@ class Study:
             validation=tuning.validation,
             validation_flights=tuning.validation_flights,
             wall_time=self.wall_time,
+            remark=remark_of(tuning.tuner),
         )
 
     @property

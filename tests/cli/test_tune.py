@@ -268,3 +268,9 @@ def test_names_that_a_shell_would_take_apart_come_back_whole(hotlap, here):
     save(here / "my race.toml", make_course().race)
     ran = hotlap("tune", "my race.toml", "--seed", "1", "--out", "my study")
     assert ran.out.endswith("fly it again: hotlap fly 'my race.toml' --parameters 'my study'\n")
+
+
+def test_a_tuner_may_have_something_to_say(hotlap):
+    ran = hotlap("tune", "straight.toml", "--tuner", "safe_bayesian", "--goal", "none", "--budget", "12", "--json")
+    assert "of 12 flights below the floor" in ran.document["remark"]
+    assert hotlap(*EASY, "--json").document["remark"] == ""

@@ -10,7 +10,8 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from hotlap.tuners import bayesian
-from hotlap.tuners.bayesian import MEMORY, PRESETS, REFIT, WORST, latin_hypercube, log_expected_improvement, remembered, standardise
+from hotlap.tuners.bayesian import MEMORY, PRESETS, REFIT, WORST, log_expected_improvement, remembered, standardise
+from hotlap.tuners.unit_box import latin_hypercube
 
 from .laws import make_scores
 from .test_contract import SEGMENTS, SPACE, judge, play, start

@@ -11,7 +11,8 @@ import pytest
 from hotlap import tuners
 from hotlap.tuners import trust_region
 from hotlap.tuners.anisotropic_process import Kernel
-from hotlap.tuners.trust_region import LEAST_INITIAL, PRESETS, Settings, TrustRegion, latin_hypercube, shifted_sobol
+from hotlap.tuners.trust_region import LEAST_INITIAL, PRESETS, Settings, TrustRegion, shifted_sobol
+from hotlap.tuners.unit_box import latin_hypercube
 
 from . import laws
 from .test_contract import SEGMENTS, SPACE, judge, play, start

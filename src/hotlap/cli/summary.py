@@ -32,6 +32,7 @@ def summarise(result: Result, holds: Sequence[Hold], paths: Mapping[str, Any], o
             "lap time": seconds(result.best.lap_time),
             "completion": f"{percent(result.best.completion)} of the gates, over {_count(result.best.flights, 'flight')}",
             "holds in": "" if result.validation is None else share(result.validation),
+            "tuner": result.remark,
             "wall time": seconds(result.wall_time, 1),
             "study": paths["study"],
             "parameters": paths["parameters"],

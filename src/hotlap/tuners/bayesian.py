@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
+from hotlap.tuners.unit_box import UnitBox, latin_hypercube
 
 Floats = NDArray[np.float64]
 
@@ -75,19 +76,19 @@ class Bayesian:
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Lay out the opening."""
-        self._space, self._rng, self._shape = space, rng, first_guess.shape
+        self._rng, self._box = rng, UnitBox(space, first_guess.shape, self.settings.log)
         self._first = space.clip(first_guess)
         self._points: list[list[float]] = []
         self._costs: list[float] = []
         self._theta: list[float] | None = None  # logarithms of the hyperparameters
         hypercube = latin_hypercube(self.settings.opening - 1, first_guess.size, rng)
-        self._queue: list[list[float]] = [self._encode(self._first).tolist(), *hypercube.tolist()]
+        self._queue: list[list[float]] = [self._box.encode(self._first).tolist(), *hypercube.tolist()]
 
     def ask(self, n: int) -> Parameters:
         """What is left of the opening, at most n, else one proposal, shape (1 to n, S, K); the first one is the first guess."""
         if not self._queue:
             self._queue = [self._propose().tolist()]
-        asked = self._decode(np.array(self._queue[:n]))
+        asked = self._box.decode(np.array(self._queue[:n]))
         if not self._points:
             asked[0] = self._first  # without the rounding of the unit box
         return asked
@@ -158,25 +159,6 @@ class Bayesian:
         steps = sizes * self._rng.standard_normal((len(sizes), len(centre)))
         steps[::2] *= self._rng.random(steps[::2].shape) < 0.5
         return np.clip(centre + steps, 0, 1)
-
-    def _encode(self, parameters: Parameters) -> Floats:
-        """The point of parameters, shape (S K,)."""
-        if self.settings.log:
-            return self._space.to_unit(parameters).ravel()
-        return ((parameters - self._space.low) / (self._space.high - self._space.low)).ravel()
-
-    def _decode(self, points: Floats) -> Parameters:
-        """Parameters at points, shape (count, S, K)."""
-        unit = points.reshape(-1, *self._shape)
-        if self.settings.log:
-            return self._space.from_unit(unit)
-        return self._space.clip(self._space.low + unit * (self._space.high - self._space.low))
-
-
-def latin_hypercube(count: int, size: int, rng: np.random.Generator) -> Floats:
-    """Points in the unit box, shape (count, size), one in each of `count` slices of every axis (McKay and others, 1979)."""
-    slices = rng.permuted(np.tile(np.arange(count)[:, None], size), axis=0)
-    return (slices + rng.random((count, size))) / count
 
 
 def standardise(costs: Floats) -> Floats:

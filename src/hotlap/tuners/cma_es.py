@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
+from hotlap.tuners.unit_box import UnitBox
 
 if TYPE_CHECKING:
     from cmaes import CMA
@@ -63,9 +64,9 @@ class CmaEs:
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin around the first guess."""
-        self._space, self._rng, self._shape = space, rng, first_guess.shape
-        self._first = space.clip(first_guess)
-        self._guess = self._encode(self._first)
+        self._rng, self._first = rng, space.clip(first_guess)
+        self._box = UnitBox(space, first_guess.shape, self.settings.log, self.settings.tied)
+        self._guess = self._box.encode(self._first)
         self._begin()
 
     def _begin(self) -> None:
@@ -85,7 +86,7 @@ class CmaEs:
             return self._first[None].copy()
         if not self._asked:
             self._asked = [self._draw() for _ in range(min(n, self._left()))]
-        return self._decode(np.array(self._asked))
+        return self._box.decode(np.array(self._asked))
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
         """Collect a generation; when it is whole, move. True where a flight was the best so far."""
@@ -166,18 +167,3 @@ class CmaEs:
         seed = int(self._rng.integers(2**31))
         box = np.tile([0.0, 1.0], (len(mean), 1))
         return CMA(np.clip(mean, 1e-9, 1 - 1e-9), sigma, bounds=box, seed=seed, population_size=population, cov=covariance)
-
-    def _encode(self, parameters: Parameters) -> Floats:
-        """The point of parameters, shape (S K,), or (K,) where they are tied."""
-        unit = (
-            self._space.to_unit(parameters) if self.settings.log else (parameters - self._space.low) / (self._space.high - self._space.low)
-        )
-        return unit.mean(axis=0) if self.settings.tied else unit.ravel()
-
-    def _decode(self, points: Floats) -> Parameters:
-        """Parameters at points, shape (count, S, K)."""
-        segments, size = self._shape
-        unit = np.repeat(points[:, None], segments, axis=1) if self.settings.tied else points.reshape(-1, segments, size)
-        if self.settings.log:
-            return self._space.from_unit(unit)
-        return self._space.clip(self._space.low + unit * (self._space.high - self._space.low))

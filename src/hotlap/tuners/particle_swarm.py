@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
+from hotlap.tuners.unit_box import UnitBox
 
 Floats = NDArray[np.float64]
 
@@ -51,10 +52,10 @@ class ParticleSwarm:
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Scatter the swarm."""
-        self._space, self._rng, self._shape = space, rng, first_guess.shape
+        self._rng, self._box = rng, UnitBox(space, first_guess.shape, self.settings.log)
         self._first = space.clip(first_guess)
         count, size = self.settings.particles, first_guess.size
-        centre = self._encode(self._first)
+        centre = self._box.encode(self._first)
         scattered = centre + self.settings.spread * rng.uniform(-1, 1, (count - 1, size))
         self._places: Floats = np.vstack([centre, np.clip(scattered, 0, 1)])
         self._velocities: Floats = np.zeros((count, size))
@@ -65,7 +66,7 @@ class ParticleSwarm:
     def ask(self, n: int) -> Parameters:
         """The next particles of the turn, shape (1 to n, S, K)."""
         last = min(self._next + n, self.settings.particles)
-        asked = self._decode(self._places[self._next : last])
+        asked = self._box.decode(self._places[self._next : last])
         if self._flown == 0 and self._next == 0:
             asked[0] = self._first  # without the rounding of the unit box
         self._next = last
@@ -115,16 +116,3 @@ class ParticleSwarm:
         moved = self._places + self._velocities
         self._places = np.clip(moved, 0, 1)
         self._velocities[moved != self._places] = 0.0
-
-    def _encode(self, parameters: Parameters) -> Floats:
-        """Places of parameters, shape (S K,)."""
-        if self.settings.log:
-            return self._space.to_unit(parameters).ravel()
-        return ((parameters - self._space.low) / (self._space.high - self._space.low)).ravel()
-
-    def _decode(self, places: Floats) -> Parameters:
-        """Parameters at places, shape (count, S, K)."""
-        unit = places.reshape(-1, *self._shape)
-        if self.settings.log:
-            return self._space.from_unit(unit)
-        return self._space.clip(self._space.low + unit * (self._space.high - self._space.low))

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
 from hotlap.tuners.anisotropic_process import Kernel, draw_paths, most_likely
+from hotlap.tuners.unit_box import UnitBox, latin_hypercube
 
 Floats = NDArray[np.float64]
 
@@ -72,9 +73,9 @@ class TrustRegion:
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin with the first guess, and points that fill the space."""
-        self._space, self._rng, self._shape = space, rng, first_guess.shape
+        self._rng, self._box = rng, UnitBox(space, first_guess.shape, self.settings.log, self.settings.tied)
         self._first, self._flown = space.clip(first_guess), 0
-        guess = self._encode(self._first)
+        guess = self._box.encode(self._first)
         self._size = len(guess)
         self._begin(guess[None])
 
@@ -82,7 +83,7 @@ class TrustRegion:
         """At most n points that wait, shape (1 to n, S, K); the first one is the first guess."""
         if not len(self._waiting):
             self._waiting = self._draw(min(n, self.settings.batch))
-        parameters = self._decode(self._waiting[:n])
+        parameters = self._box.decode(self._waiting[:n])
         if self._flown == 0:
             parameters[0] = self._first  # without the rounding of the unit box
         return parameters
@@ -178,28 +179,6 @@ class TrustRegion:
         proper = costs[costs < WORST]
         worst = float(proper.max() + (proper.std() or 1.0)) if len(proper) else WORST
         return self._points[chosen], np.minimum(costs, worst)
-
-    def _encode(self, parameters: Parameters) -> Floats:
-        """The point of parameters, shape (S K,), or (K,) where they are tied."""
-        space = self._space
-        unit = space.to_unit(parameters) if self.settings.log else (parameters - space.low) / (space.high - space.low)
-        return np.clip(unit.mean(axis=0) if self.settings.tied else unit.ravel(), 0, 1)
-
-    def _decode(self, points: Floats) -> Parameters:
-        """Parameters at points, shape (count, S, K)."""
-        segments, size = self._shape
-        unit = np.repeat(points[:, None], segments, axis=1) if self.settings.tied else points.reshape(-1, segments, size)
-        return (
-            self._space.from_unit(unit)
-            if self.settings.log
-            else self._space.clip(self._space.low + unit * (self._space.high - self._space.low))
-        )
-
-
-def latin_hypercube(count: int, size: int, rng: np.random.Generator) -> Floats:
-    """Points of the unit box, one in each of `count` slices of every axis, shape (count, size) (McKay, Beckman, Conover, 1979)."""
-    slices = rng.permuted(np.tile(np.arange(count), (size, 1)), axis=1).T
-    return (slices + rng.random((count, size))) / count
 
 
 def shifted_sobol(count: int, size: int, rng: np.random.Generator) -> Floats:

@@ -54,3 +54,9 @@ class Tuner(Protocol):
     def restore(self, state: dict[str, Any]) -> None:
         """Go on where `state()` was taken, bit for bit; the tuner has been started with the same first guess and space."""
         ...
+
+
+def remark_of(tuner: Tuner) -> str:
+    """What a tuner has to say of its run: of its method `report`, if it has one."""
+    report = getattr(tuner, "report", None)
+    return "" if report is None else str(report())
