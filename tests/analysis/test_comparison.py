@@ -10,7 +10,7 @@ import pytest
 
 from fake_world import FakeWorld, make_course
 from hotlap import preparation, tuners, worlds
-from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cell, missing
+from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cells, missing
 from hotlap.analysis.comparison_table import ALL, cells_of, completion_band, markdown, overall, profiles, rows_of, summarise
 from hotlap.analysis.runs_file import RunsFile
 from hotlap.errors import StudyError
@@ -42,7 +42,10 @@ def make_run(tuner: str = "a", race: str = "r", seed: int = 0, **changes) -> Run
 
 @pytest.mark.parametrize("tuner", NAMES)
 def test_a_run_among_others_is_the_run_alone(tuner):
-    together = {run.seed: run for run in fly_cell(cell(tuner))}
+    others = (cell("random_search:uniform", (0, 5)), cell("trust_region:tied", (1,), budget=30))
+    flown = list(fly_cells((cell(tuner), *others)))
+    assert [(run.tuner, run.budget) for asked, run in flown] == [(asked.tuner, asked.settings.budget) for asked, run in flown]
+    together = {run.seed: run for asked, run in flown if asked.tuner == tuner}
     assert sorted(together) == [0, 1, 2, 3]
     for seed in (1, 3):
         built = tuners.build(tuner)
@@ -57,7 +60,7 @@ def test_a_run_among_others_is_the_run_alone(tuner):
 
 
 def test_the_curve_ends_where_the_run_does_and_the_tuner_is_on_the_clock():
-    for run in fly_cell(cell()):
+    for _, run in fly_cells((cell(),)):
         assert run.curve[-1][1] == run.completion == run.completion_at(run.flights) == run.completion_at(10**6)
         assert list(run.curve) == sorted(run.curve)
         assert run.completion_at(0) == 0.0
@@ -72,14 +75,24 @@ def test_a_key_changes_with_all_that_decides_about_a_run_but_its_seed():
     assert len({*same, *(other.key for other in others)}) == 6
 
 
-def test_what_is_done_is_not_flown_again_and_long_runs_come_first():
-    short, long = cell(seeds=(0, 1, 2)), cell("cma_es:log", seeds=(0, 1, 2, 3), budget=100)
+def test_what_is_done_is_not_flown_again_and_what_may_share_flights_does():
+    short, long, dense = cell(seeds=(0, 1, 2)), cell("cma_es:log", seeds=(0, 1, 2, 3), budget=100), cell("guided_walk:default")
     done = {(short.key, 1): make_run(), (long.key, 0): make_run()}
-    left = missing([short, long], done)
-    assert [(piece.tuner, piece.seeds) for piece in left] == [("cma_es:log", (1, 2, 3)), (NAMES[1], (0, 2))]
-    parts = missing([short, long], done, split=2)
-    assert sorted(seed for part in parts if part.tuner == "cma_es:log" for seed in part.seeds) == [1, 2, 3]
-    assert missing([short], {(short.key, seed): make_run() for seed in range(3)}) == []
+    groups = missing([short, dense, long], done, 1)
+    assert [[(part.tuner, part.seeds) for part in group] for group in groups] == [
+        [(NAMES[1], (0, 2)), ("cma_es:log", (1, 2, 3))],
+        [("guided_walk:default", (0, 1, 2, 3))],
+    ]
+    assert missing([short], {(short.key, seed): make_run() for seed in range(3)}, 2) == []
+
+
+@pytest.mark.parametrize("processes", [1, 2, 3, 50])
+def test_there_is_work_for_every_process(processes):
+    groups = missing([cell(), cell("cma_es:log")], {}, processes)
+    assert len(groups) == min(processes, 4)
+    assert sorted((part.tuner, seed) for group in groups for part in group for seed in part.seeds) == sorted(
+        (name, seed) for name in (NAMES[1], "cma_es:log") for seed in range(4)
+    )
 
 
 def test_budgets_are_those_of_the_nearest_name():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from multiprocessing import parent_process
 from typing import Any
 
@@ -52,6 +52,10 @@ class Cell:
         first, goal = course.space.first_guess(len(course.segments)), self.settings.goal
         fingerprint = Configuration(course, self.world, goal.metric, tuner.name, self.settings, first).fingerprint
         return f"{fingerprint}-{self.settings.budget}"
+
+
+Group = tuple[Cell, ...]
+"""Cells whose flights may be flown together: of one race, in one world, all with dense costs or none."""
 
 
 @dataclass(frozen=True)
@@ -151,6 +155,8 @@ class Timed:
 class _Progress:
     """What is kept of a run while it lasts."""
 
+    cell: Cell
+    seed: int
     tuning: Tuning
     tuner: Timed
     curve: list[tuple[int, float]] = field(default_factory=list)
@@ -161,34 +167,35 @@ class _Progress:
             self.curve.append((batch.flights, batch.best.completion))
 
 
-def fly_cell(cell: Cell) -> Iterator[Run]:
-    """The runs of a cell, as they end."""
-    course = course_for(prepare(cell.race), tuners.build(cell.tuner))
-    world = worlds.build(cell.world)
+def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
+    """The runs of cells that share a course, as they end."""
+    first = cells[0]
+    course = course_for(prepare(first.race), tuners.build(first.tuner))
+    world = worlds.build(first.world)
     if isinstance(world, BuiltIn) and parent_process() is not None:
         world.threads = 1  # there is a worker for each processor
-    objective = Objective(course, world, cell.settings.goal.metric, cell.settings.randomise)
-    runs = [_begin(cell, course, seed) for seed in cell.seeds]
+    objective = Objective(course, world, first.settings.goal.metric, first.settings.randomise)
+    runs = [_begin(cell, course, seed) for cell in cells for seed in cell.seeds]
     for i, batch in tune_together(objective, [run.tuning for run in runs]):
         runs[i].follow(batch)
         if batch.done:
-            yield _end(cell, cell.seeds[i], batch, runs[i])
+            yield runs[i].cell, _end(batch, runs[i])
 
 
 def _begin(cell: Cell, course: Course, seed: int) -> _Progress:
     """A run that has not flown yet."""
     tuner = Timed(tuners.build(cell.tuner))
     settings = TuningSettings(**{**vars(cell.settings), "seed": seed})
-    return _Progress(Tuning(tuner, course, settings), tuner)
+    return _Progress(cell, seed, Tuning(tuner, course, settings), tuner)
 
 
-def _end(cell: Cell, seed: int, batch: Batch, progress: _Progress) -> Run:
+def _end(batch: Batch, progress: _Progress) -> Run:
     """What became of a run."""
-    validation = batch.validation
+    cell, validation = progress.cell, batch.validation
     return Run(
         race=cell.race.name,
         tuner=progress.tuner.name,
-        seed=seed,
+        seed=progress.seed,
         budget=cell.settings.budget,
         flights=batch.flights,
         search_flights=batch.search_flights,
@@ -203,24 +210,35 @@ def _end(cell: Cell, seed: int, batch: Batch, progress: _Progress) -> Run:
     )
 
 
+def flies_on(tuner: str) -> bool:
+    """Whether a tuner's flights go on after a missed gate."""
+    return bool(getattr(tuners.build(tuner).settings, "dense", False))
+
+
 def budget_of(tuner: str, budgets: Mapping[str, int]) -> int:
     """The flights that a tuner is given: those of its name with preset, of its algorithm, or of all (under "")."""
     algorithm = tuner.partition(":")[0]
     return budgets.get(tuner, budgets.get(algorithm, budgets[""]))
 
 
-def missing(cells: Sequence[Cell], done: Mapping[tuple[str, int], Run], split: int = 1) -> list[Cell]:
-    """The cells with the seeds that are not done, those with the largest budget first; each in so many parts.
+def missing(cells: Sequence[Cell], done: Mapping[tuple[str, int], Run], processes: int) -> list[Group]:
+    """What is not done yet, in groups that are flown in lockstep, so that the lanes are full; the longest first.
 
     Args:
-        cells: all that is asked for.
+        cells: all that is asked for, with the same settings but for the budget.
         done: runs by key of their cell and seed.
-        split: parts of a cell, so that there is work for every process.
+        processes: there are at least so many groups, where there are so many runs.
     """
-    open_cells = []
-    for cell in sorted(cells, key=lambda cell: -cell.settings.budget):
+    groups: dict[tuple[str, bool], list[Cell]] = {}
+    for cell in cells:
         key = cell.key
-        seeds = [seed for seed in cell.seeds if (key, seed) not in done]
-        parts = [seeds[k::split] for k in range(split)]
-        open_cells += [Cell(cell.race, cell.tuner, cell.settings, tuple(part), cell.world) for part in parts if part]
-    return open_cells
+        seeds = tuple(seed for seed in cell.seeds if (key, seed) not in done)
+        if seeds:
+            groups.setdefault((cell.race.name, flies_on(cell.tuner)), []).append(replace(cell, seeds=seeds))
+    parts = -(-processes // len(groups)) if groups else 1
+    divided = [
+        tuple(replace(cell, seeds=cell.seeds[k::parts]) for cell in group if cell.seeds[k::parts])
+        for group in groups.values()
+        for k in range(parts)
+    ]
+    return sorted(filter(None, divided), key=lambda group: -sum(cell.settings.budget * len(cell.seeds) for cell in group))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from argparse import Namespace
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,7 +13,7 @@ from typing import Any
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from hotlap import tuners, worlds
-from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cell, missing
+from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cells, missing
 from hotlap.analysis.comparison_table import cells_of, markdown, overall, rows_of
 from hotlap.analysis.runs_file import RunsFile
 from hotlap.cli.flying import make_ready
@@ -107,13 +108,13 @@ def _fly(cells: Sequence[Cell], kept: RunsFile, options: Namespace) -> None:
     """Fly what is missing, and keep every run as it ends."""
     keys = {(cell.race.name, cell.tuner): cell.key for cell in cells}
     wanted = sum(len(cell.seeds) for cell in cells)
-    pieces = missing(cells, kept.done, split=1 if len(cells) > 3 else 2)
-    before = wanted - sum(len(piece.seeds) for piece in pieces)
+    groups = missing(cells, kept.done, options.jobs or os.cpu_count() or 1)
+    before = wanted - sum(len(cell.seeds) for group in groups for cell in group)
     if before:
         note(f"{kept.path}: {before} of {wanted} runs are there already")
     with _progress(wanted, before) as watch:
-        for piece, run in spread(fly_cell, pieces, options.jobs):
-            kept.add(keys[piece.race.name, piece.tuner], run)
+        for _, (cell, run) in spread(fly_cells, groups, options.jobs):
+            kept.add(keys[cell.race.name, cell.tuner], run)
             watch(run)
 
 
