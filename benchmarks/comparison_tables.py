@@ -1,0 +1,76 @@
+"""The tables of docs/tuners.md from the runs of a comparison: python benchmarks/comparison_tables.py build/comparison/main"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from hotlap.analysis.comparison import Run
+from hotlap.analysis.comparison_table import Row, overall, summarise
+from hotlap.analysis.runs_file import RunsFile
+
+TABLE_I: Mapping[str, tuple[int, ...]] = {  # the paper's completion [%]: circle 20, circle 34, drop, flip, spiral, qualifier, final
+    "random_search:paper": (100, 65, 40, 80, 0, 50, 10),
+    "bayesian:matern": (100, 80, 100, 80, 10, 75, 40),
+    "bayesian:locally_periodic": (100, 65, 50, 80, 0, 60, 40),
+    "bayesian:rational_quadratic": (100, 60, 50, 80, 0, 60, 30),
+    "bayesian:squared_exponential": (100, 60, 50, 80, 10, 60, 30),
+    "bayesian:periodic": (100, 30, 40, 80, 0, 30, 25),
+    "particle_swarm:paper": (100, 100, 100, 100, 10, 75, 40),
+    "cma_es:raw": (100, 100, 100, 100, 10, 100, 100),
+    "gradient_boosting:surrogate": (100, 65, 50, 80, 10, 65, 40),
+    "metropolis_hastings:paper": (100, 100, 100, 100, 100, 100, 100),
+}
+
+
+def solved(row: Row) -> str:
+    """Success and median search flights: 95 / 12."""
+    middle = f"{row.flights_median:.0f}" if math.isfinite(row.flights_median) else "-"
+    return f"{100 * row.success_rate:.0f} / {middle}"
+
+
+def matrix(runs: Sequence[Run], races: Sequence[str]) -> str:
+    """A row a tuner, the best first; a column a race."""
+    chosen = [run for run in runs if run.race in races]
+    lines = [f"| tuner | {' | '.join(races)} | all | validated % | ms/flight |", f"|---{'|---' * (len(races) + 3)}|"]
+    for total in overall(chosen):
+        mine = [run for run in chosen if run.tuner == total.tuner]
+        cells = [[run for run in mine if run.race == race] for race in races]
+        shown = [solved(summarise(race, total.tuner, cell)) if cell else "" for race, cell in zip(races, cells, strict=True)]
+        lines.append(
+            f"| {total.tuner} | {' | '.join(shown)} | {solved(total)} | {100 * total.validated_rate:.0f} | {1e3 * total.tuner_time:.2g} |"
+        )
+    return "\n".join(lines)
+
+
+def beside_the_paper(runs: Sequence[Run], races: Sequence[str]) -> str:
+    """Mean completion of the best candidate at the end of a run, and the paper's, race by race."""
+    lines = [f"| tuner | {' | '.join(races)} |", f"|---{'|---' * len(races)}|"]
+    for tuner, published in TABLE_I.items():
+        cells = []
+        for race, value in zip(races, published, strict=True):
+            mine = [run.completion for run in runs if run.race == race and run.tuner == tuner]
+            cells.append(f"{100 * np.mean(mine):.0f} ({value})" if mine else f"({value})")
+        lines.append(f"| {tuner} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Print them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    runs = list(RunsFile(parser.parse_args().folder).done.values())
+    names = list(dict.fromkeys(run.race for run in runs))
+    suites = [[name for name in names if not name.startswith("airsim")], [name for name in names if name.startswith("airsim")]]
+    for races in filter(None, suites):
+        print(matrix(runs, races), end="\n\n")
+        if len(races) == len(next(iter(TABLE_I.values()))):
+            print(beside_the_paper(runs, races), end="\n\n")
+
+
+if __name__ == "__main__":
+    main()
