@@ -274,3 +274,10 @@ def test_a_tuner_may_have_something_to_say(hotlap):
     ran = hotlap("tune", "straight.toml", "--tuner", "safe_bayesian", "--goal", "none", "--budget", "12", "--json")
     assert "of 12 flights below the floor" in ran.document["remark"]
     assert hotlap(*EASY, "--json").document["remark"] == ""
+
+
+@pytest.mark.parametrize("command", [("tune", "straight.toml"), ("compare", "straight.toml", "--out", "c")])
+def test_a_world_that_flies_what_it_has_cannot_be_randomised(hotlap, command):
+    ran = hotlap(*command, "--randomise", "0.1")
+    assert ran.code == 2
+    assert ran.err.splitlines()[-1] == "hotlap: --randomise: fake flies the vehicle that it has"
