@@ -176,6 +176,15 @@ def test_a_candidate_that_does_not_hold_is_told_with_all_its_flights_and_the_sea
     assert len(np.unique(ledger.seeds)) == 8
 
 
+def test_of_candidates_that_did_not_hold_the_one_that_held_most_often_is_handed_over():
+    first, second = (*(1.0,) * 5, 1.0, 1.0, 0.0, 0.0), (*(1.0,) * 5, 1.0, 0.9, 0.9, 0.9)
+    tuning, _ = run(Listener(points(9)), ScriptedObjective(*first, *second, 0.95, *(1.0,) * 4), batch=1, budget=11, validation=4)
+    assert tuning.best is not None
+    assert (tuning.best.confirmed, tuning.best.held) == (False, 0.5)
+    np.testing.assert_array_equal(tuning.best.parameters, points(9)[0])
+    assert tuning.validation == Validation(4, 4)
+
+
 def test_without_reliability_any_confirmed_candidate_is_taken():
     tuning, _ = run(Listener(points(9)), ScriptedObjective(*(1.0,) * 5, *(0.0,) * 3), batch=1, validation=3, reliability=0.0)
     assert (tuning.done, tuning.validation) == (True, Validation(3, 0))

@@ -99,6 +99,7 @@ class Candidate:
         lap_time: [s] mean over its complete flights; NaN without any.
         flights: how many, re-flights included.
         confirmed: whether it met the goal in all re-flights, and held where that was asked for.
+        held: share of its validation that succeeded, if it was confirmed and did not hold; else 0.
     """
 
     parameters: Parameters
@@ -107,11 +108,12 @@ class Candidate:
     lap_time: float
     flights: int
     confirmed: bool
+    held: float = 0.0
 
     @property
-    def rank(self) -> tuple[bool, float, float]:
-        """Larger is better: confirmed, then completion, then cost."""
-        return self.confirmed, self.completion, -self.cost
+    def rank(self) -> tuple[bool, float, float, float]:
+        """Larger is better: confirmed, then what held most often, then completion, then cost."""
+        return self.confirmed, self.held, self.completion, -self.cost
 
 
 @dataclass(frozen=True)
@@ -219,7 +221,7 @@ class Tuning:
         parameters = self.tuner.ask(max(1, min(self.settings.batch, (self.settings.budget - self.flights) // each)))
         ledger, scores = yield from self._fly(Stream.SEARCH, np.repeat(parameters, each, axis=0))
         ledgers, flown = [ledger], [scores.rows(slice(i, i + each)) for i in range(0, len(scores), each)]
-        before, confirmed, validation, fallen = self.search_flights, None, None, []
+        before, confirmed, validation, fallen = self.search_flights, None, None, {}
         self.search_flights += len(scores)
         for i in np.flatnonzero(self.settings.goal.met(scores).reshape(-1, each).all(axis=1)).tolist():
             flown[i], again = yield from self._confirm(parameters[i], flown[i])
@@ -231,14 +233,16 @@ class Tuning:
                 ledgers.append(ledger)
                 if validation.rate < self.settings.reliability:
                     flown[i] = Scores.join([flown[i], repeats])
-                    fallen.append(validation)
+                    fallen[i] = validation
                     continue
             confirmed, self.search_flights = i, before + (i + 1) * each
             break
         told = Scores.join([_told(scores, self.settings.goal) for scores in flown])
         ledgers[0] = ledgers[0].accept(np.repeat(self.tuner.tell(parameters, told), each))
-        self._choose([_candidate(parameters[i], scores, confirmed == i) for i, scores in enumerate(flown)], validation)
-        return self._report(Ledger.join(ledgers), tuple(fallen))
+        held = {i: validation.rate for i, validation in fallen.items()}
+        candidates = [_candidate(parameters[i], scores, confirmed == i, held.get(i, 0.0)) for i, scores in enumerate(flown)]
+        self._choose(candidates, validation)
+        return self._report(Ledger.join(ledgers), tuple(fallen.values()))
 
     def _choose(self, candidates: Sequence[Candidate], validation: Validation | None) -> None:
         """Keep the best candidate, with its validation if it has been confirmed."""
@@ -351,7 +355,7 @@ def _told(flown: Scores, goal: Goal) -> Scores:
     return replace(flown.rows(slice(heard, heard + 1)), **means)
 
 
-def _candidate(parameters: Parameters, flown: Scores, confirmed: bool) -> Candidate:
+def _candidate(parameters: Parameters, flown: Scores, confirmed: bool, held: float) -> Candidate:
     """Means over the flights of some parameters, shape (S, K)."""
     laps, cost = flown.lap_time[np.isfinite(flown.lap_time)], float(flown.cost.mean())
     return Candidate(
@@ -361,6 +365,7 @@ def _candidate(parameters: Parameters, flown: Scores, confirmed: bool) -> Candid
         lap_time=float(laps.mean()) if len(laps) else float("nan"),
         flights=len(flown),
         confirmed=confirmed,
+        held=held,
     )
 
 
