@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hotlap.cli.output import finite, percent, table
-from hotlap.cli.progress import Lines, Rate, describe
+from hotlap.cli.progress import Lines, Rate, Tally, describe
 from hotlap.tuning import Candidate
 from hotlap.validation import Validation
 
@@ -59,3 +59,14 @@ def test_columns_line_up():
 
 def test_numbers_that_json_does_not_have_become_null():
     assert finite({"a": [float("nan"), 1.0], "b": (float("inf"), "x"), "c": None}) == {"a": [None, 1.0], "b": [None, "x"], "c": None}
+
+
+def test_runs_are_counted_and_said_now_and_then_and_at_the_end(capsys):
+    clock = Clock()
+    tally, run = Tally(4, 1, clock), SimpleNamespace(race="drop-20", tuner="cma_es:log", flights=30, validation=50)
+    for clock.now in (1.0, 6.0, 8.0):
+        tally.say(run)
+    assert capsys.readouterr().err.splitlines() == [
+        "3 of 4 runs, now drop-20 by cma_es:log, 26.7 flights/s",
+        "4 of 4 runs, now drop-20 by cma_es:log, 30 flights/s",
+    ]

@@ -5,20 +5,16 @@ from __future__ import annotations
 import os
 import shlex
 from argparse import Namespace
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
-
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from hotlap import tuners, worlds
 from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cells, missing
 from hotlap.analysis.comparison_table import cells_of, markdown, overall, rows_of
 from hotlap.analysis.runs_file import RunsFile
 from hotlap.cli.flying import make_ready
-from hotlap.cli.output import Plain, note, present, table, working
-from hotlap.cli.progress import INTERVAL, Rate
+from hotlap.cli.output import note, present, table, working
+from hotlap.cli.progress import follow_runs
 from hotlap.cli.stopping import remark
 from hotlap.controllers import ControllerKind
 from hotlap.errors import HotlapError, InputError, StudyError
@@ -112,46 +108,10 @@ def _fly(cells: Sequence[Cell], kept: RunsFile, options: Namespace) -> None:
     before = wanted - sum(len(cell.seeds) for group in groups for cell in group)
     if before:
         note(f"{kept.path}: {before} of {wanted} runs are there already")
-    with _progress(wanted, before) as watch:
+    with follow_runs(wanted, before) as watch:
         for _, (cell, run) in spread(fly_cells, groups, options.jobs):
             kept.add(keys[cell.race.name, cell.tuner], run)
             watch(run)
-
-
-@contextmanager
-def _progress(wanted: int, done: int) -> Iterator[Any]:
-    """Show runs as they end: a bar on a terminal, else a line every few seconds."""
-    console, rate, flown = Plain(stderr=True), Rate(0), 0
-    if console.is_terminal:
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[state]}"),
-            TimeRemainingColumn(),
-        )
-        with Progress(*columns, console=console, transient=True) as progress:
-            task = progress.add_task("runs", total=wanted, completed=done, state="")
-
-            def watch(run: Run) -> None:
-                nonlocal flown
-                flown += run.flights + run.validation
-                progress.update(task, advance=1, state=f"{run.race}, {run.tuner}, {rate(flown)}")
-
-            yield watch
-        return
-    import time  # noqa: PLC0415
-
-    last = time.monotonic()
-
-    def say(run: Run) -> None:
-        nonlocal flown, done, last
-        flown, done = flown + run.flights + run.validation, done + 1
-        if time.monotonic() - last >= INTERVAL or done == wanted:
-            last = time.monotonic()
-            note(f"{done} of {wanted} runs, now {run.race} by {run.tuner}, {rate(flown)}")
-
-    yield say
 
 
 def _write(folder: Path, runs: Sequence[Run]) -> tuple[Path, ...]:

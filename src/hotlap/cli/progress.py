@@ -6,12 +6,16 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from hotlap.cli.output import Plain, note, percent
 from hotlap.tuning import Batch, Candidate
 from hotlap.validation import Validation
+
+if TYPE_CHECKING:
+    from hotlap.analysis.comparison import Run
 
 INTERVAL = 5.0  # s between lines
 
@@ -45,6 +49,55 @@ def follow(budget: int, flown: int) -> Iterator[Watch]:
                 progress.console.print(fell(validation), markup=False, highlight=False)
 
         yield watch
+
+
+@contextmanager
+def follow_runs(wanted: int, done: int) -> Iterator[Callable[[Run], None]]:
+    """Show the runs of a comparison.
+
+    Args:
+        wanted: how many in all.
+        done: how many of them in earlier sittings.
+
+    Yields:
+        What to call after each run.
+    """
+    console, tally = Plain(stderr=True), Tally(wanted, done)
+    if not console.is_terminal:
+        yield tally.say
+        return
+    state = TextColumn("{task.fields[state]}", markup=False)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("runs", total=wanted, completed=done, state="")
+        yield lambda run: progress.update(task, advance=1, state=tally.count(run))
+
+
+class Tally:
+    """Counts the runs of a comparison, and their flights.
+
+    Args:
+        wanted: runs in all.
+        done: runs so far.
+        clock: [s]
+    """
+
+    def __init__(self, wanted: int, done: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._wanted, self._done, self._clock = wanted, done, clock
+        self._flights, self._rate, self._last = 0, Rate(0, clock), clock()
+
+    def count(self, run: Run) -> str:
+        """Count one; in few words, what it was and how fast flights are."""
+        self._flights += run.flights + run.validation
+        self._done += 1
+        return f"{run.race} by {run.tuner}, {self._rate(self._flights)}"
+
+    def say(self, run: Run) -> None:
+        """Count one, and say so, if it is time or the last."""
+        state = self.count(run)
+        if self._done == self._wanted or self._clock() - self._last >= INTERVAL:
+            self._last = self._clock()
+            note(f"{self._done} of {self._wanted} runs, now {state}")
 
 
 class Rate:
