@@ -5,6 +5,7 @@
 #   make lint      check style            make types     check types
 #   make bench     measure the flights    make studies   run the tests of minutes
 #   make benchmarks   measure everything  make clean     remove .venv and caches
+#   make comparison   all tuners on all races, an hour or two, resumable (PART=random for another part, see benchmarks/comparison.py)
 
 CANDIDATES := python3.11 python3.12 python3.13 python3 python
 PYTHON ?= $(shell for python in $(CANDIDATES); do \
@@ -12,10 +13,11 @@ PYTHON ?= $(shell for python in $(CANDIDATES); do \
 VENV := .venv
 BIN := $(VENV)/bin
 RACE ?= circle-34
+PART ?= main
 ARGS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: tune test lint types bench benchmarks studies venv docs clean
+.PHONY: tune test lint types bench benchmarks comparison studies venv docs clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
@@ -39,6 +41,9 @@ bench: $(VENV)/.hotlap
 
 benchmarks: $(VENV)/.benchmark
 	$(BIN)/python -m pytest benchmarks --benchmark-columns=median,iqr,rounds --benchmark-sort=name $(ARGS)
+
+comparison: $(VENV)/.hotlap
+	$(BIN)/python benchmarks/comparison.py $(PART) $(ARGS)
 
 docs: $(VENV)/.hotlap
 	$(BIN)/python docs/tables.py
