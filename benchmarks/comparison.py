@@ -28,7 +28,7 @@ SLOW = (
     "gradient_boosting:surrogate", "safe_bayesian:plane", "bayesian:matern", "bayesian:locally_periodic", "bayesian:rational_quadratic",
     "bayesian:squared_exponential", "bayesian:periodic", "bayesian:log",
 )  # fmt: skip
-ABLATION = tuple(f"guided_walk:{preset}" for preset in ("default", "tied", "independent", "sparse", "steady", "homely"))
+ABLATION = tuple(f"guided_walk:{preset}" for preset in ("default", "segments", "independent", "sparse", "steady", "homely"))
 RIVALS = ("guided_walk", "cma_es:log", "cma_es:tied", "trust_region:default", "trust_region:tied", "trust_region:dense",
           "metropolis_hastings:paper", "metropolis_hastings:tied")  # fmt: skip
 RANDOM = {"default": ("circle-34", 22.0), "airsim": ("airsim-circle-34", 18.0)}  # suite: race to take the rest from, v_max

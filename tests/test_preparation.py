@@ -16,7 +16,7 @@ from hotlap.files import save
 from hotlap.preparation import differences, parameters_for, prepare
 from hotlap.reference_csv import save_reference
 from hotlap.saved_parameters import SavedParameters
-from hotlap.segmentation import SegmentClass, Segments
+from hotlap.segmentation import Rule, SegmentClass, Segments, segment
 
 COURSE = make_course()
 
@@ -74,6 +74,23 @@ def test_what_differs_but_fits_is_said():
         "tuned for loop, used for straight",
         "tuned for segments steep, flat, used for flat, ascent",
     )
+
+
+def test_segments_that_are_other_parts_of_the_same_flight_are_said():
+    halves = replace(COURSE.segments, starts=np.array([0.0, 2.55]))
+    assert differences(COURSE, saved(segments=halves)) == ()
+    others = replace(COURSE.segments, starts=np.array([0.0, 3.3]))
+    assert differences(COURSE, saved(segments=others)) == ("tuned for segments that begin at 0.0, 3.3 s, used for 0.0, 2.5 s",)
+    shared = Segments(np.array([0.0, 2.5, 4.0]), (*COURSE.segments.classes, SegmentClass.FLAT), 5.0, (0, 1, 0))
+    assert differences(COURSE, saved(segments=shared)) == ("tuned for segments that begin at 0.0, 2.5, 4.0 s, used for 0.0, 2.5 s",)
+
+
+@pytest.mark.parametrize("rule", list(Rule))
+def test_a_race_is_cut_by_the_rule_that_is_asked_for(monkeypatch, rule):
+    monkeypatch.setattr("hotlap.preparation.plan", lambda *_, **__: COURSE.reference)
+    segments, wanted = prepare(COURSE.race, segments=rule).segments, segment(COURSE.reference, rule)
+    assert segments.starts.tolist() == wanted.starts.tolist()
+    assert segments.classes == wanted.classes
 
 
 @pytest.mark.parametrize("name", [name for name in hotlap.__all__ if name != "BuiltIn"])

@@ -32,6 +32,17 @@ def test_parameters_read_back_bit_for_bit(tmp_path, values, duration):
     assert (again.race, again.names, again.provenance) == (parameters.race, parameters.names, parameters.provenance)
 
 
+def test_a_segment_of_several_pieces_is_one_table_with_lists_of_times(tmp_path):
+    kinds = (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN)
+    segments = Segments(np.array([0.0, 1.1, 2.3]), kinds, 4.0, (0, 1, 0))
+    save_parameters(tmp_path / "p.toml", SavedParameters("circle-34", NAMES, segments, np.array([[1.0, 2.0], [3.0, 4.0]])))
+    assert 'class = "turn"\nstart = [0.0, 2.3]\nend = [1.1, 4.0]\nQ_pos_xy = 1.0\n' in (tmp_path / "p.toml").read_text()
+    again = load_parameters(tmp_path / "p.toml")
+    assert (again.segments.classes, again.segments.owners, again.segments.duration) == (kinds, (0, 1, 0), 4.0)
+    assert again.segments.starts.tolist() == segments.starts.tolist()
+    assert again.values.tolist() == [[1, 2], [3, 4]]
+
+
 def test_a_studys_folder_stands_for_the_file_in_it(tmp_path):
     save_parameters(tmp_path / "parameters.toml", saved([[1.0, 2.0], [3.0, 4.0]]))
     assert np.array_equal(load_parameters(tmp_path).values, [[1, 2], [3, 4]])
@@ -48,6 +59,10 @@ def test_a_studys_folder_stands_for_the_file_in_it(tmp_path):
         ("horizon = 4.0", "horizon = 1" + "0" * 400, "segment[1].horizon"),
         ("start = 2.1", "start = 2.2", "segment[1].start"),
         ("end = 4.0", "end = 2.0", "segment[1].end"),
+        ("end = 4.0", "end = [4.0, 5.0]", "segment[1].end"),
+        ("start = 2.1\nend = 4.0", "start = []\nend = []", "segment[1].end"),
+        ("start = 2.1\nend = 4.0", "start = [2.1, 4.5]\nend = [4.0, 5.0]", "segment[1].start"),
+        ("start = 2.1\nend = 4.0", "start = [2.1, true]\nend = [4.0, 5.0]", "segment[1].start"),
         ('"horizon"]', '"class"]', "names"),
         ("names =", "nams =", "nams"),
         ("race =", "rase =", "rase"),

@@ -23,6 +23,7 @@ from hotlap.objective import Objective
 from hotlap.race import JudgeSettings
 from hotlap.scoring import Metric
 from hotlap.seeds import Stream
+from hotlap.segmentation import SegmentClass, Segments
 from hotlap.study import Study, carry_out, new_folder
 from hotlap.tuning import TuningSettings, tune
 
@@ -357,3 +358,16 @@ def test_a_reference_packs_bit_for_bit():
         np.testing.assert_array_equal(getattr(unpacked, name), values)
     asked = configure()
     assert load_configuration(json.loads(json.dumps(asked.dump())), unpacked).dump() == asked.dump()
+
+
+def test_shared_segments_come_back_and_change_the_fingerprint():
+    asked = configure()
+    starts, kinds = np.array([0.0, 2.5, 4.0]), (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN)
+    segments = Segments(starts, kinds, asked.course.segments.duration, owners=(0, 1, 0))
+    shared = replace(asked, course=replace(asked.course, segments=segments))
+    back = load_configuration(json.loads(json.dumps(shared.dump())), asked.course.reference)
+    assert back.course.segments.owners == (0, 1, 0)
+    assert len(back.course.segments) == len(back.first_guess) == 2
+    others = [asked, back, *(replace(back, course=replace(back.course, segments=replace(segments, owners=o))) for o in [(), (0, 1, 1)])]
+    assert len({other.fingerprint for other in others}) == 4
+    assert back.fingerprint == shared.fingerprint

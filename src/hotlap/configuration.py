@@ -57,7 +57,7 @@ class Configuration:
             "tuner": {"name": tuner.name, **asdict(tuner.settings)},  # first: it decides about the race's fly_on
             "race": self.course.race.model_dump(mode="json"),
             "reference": fingerprint_reference(self.course.reference),
-            "segments": {"starts": segments.starts.tolist(), "classes": list(segments.classes), "duration": segments.duration},
+            "segments": _dump_segments(segments),
             "world": self.world,
             "metric": self.metric,
             **{field.name: getattr(self.settings, field.name) for field in fields(TuningSettings) if field.name != "goal"},
@@ -68,11 +68,9 @@ class Configuration:
 
 def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Configuration:
     """The inverse of `Configuration.dump`, given the reference."""
-    segments = plain["segments"]
-    classes = tuple(SegmentClass(name) for name in segments["classes"])
     numbers = {field.name: plain[field.name] for field in fields(TuningSettings) if field.name != "goal"}
     return Configuration(
-        course=Course(Race.model_validate(plain["race"]), reference, Segments(np.array(segments["starts"]), classes, segments["duration"])),
+        course=Course(Race.model_validate(plain["race"]), reference, _load_segments(plain["segments"])),
         world=plain["world"],
         metric=Metric(plain["metric"]),
         tuner=plain["tuner"]["name"],
@@ -117,6 +115,18 @@ def unpack_reference(block: bytes) -> Reference:
     with np.load(io.BytesIO(block), allow_pickle=False) as arrays:
         values: dict[str, Any] = {name: arrays[name] if arrays[name].ndim else float(arrays[name]) for name in arrays.files}
     return Reference(**values)
+
+
+def _dump_segments(segments: Segments) -> dict[str, Any]:
+    """As plain JSON; owners only where segments have several pieces, so that the fingerprints of older studies stay."""
+    plain = {"starts": segments.starts.tolist(), "classes": list(segments.classes), "duration": segments.duration}
+    return {**plain, "owners": list(segments.owners)} if segments.owners else plain
+
+
+def _load_segments(plain: Mapping[str, Any]) -> Segments:
+    """The inverse of `_dump_segments`."""
+    classes = tuple(SegmentClass(name) for name in plain["classes"])
+    return Segments(np.array(plain["starts"]), classes, plain["duration"], tuple(plain.get("owners", ())))
 
 
 def _flatten(value: Any, key: str) -> Iterator[tuple[str, Any]]:

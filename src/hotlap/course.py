@@ -21,7 +21,7 @@ class Course:
     Attributes:
         race: track, vehicle and settings.
         reference: what is to be followed.
-        segments: its parts, each with parameters of its own.
+        segments: its parts that have parameters of their own.
     """
 
     race: Race

@@ -14,16 +14,19 @@ from hotlap.planning import plan
 from hotlap.race import Race
 from hotlap.reference_csv import load_reference
 from hotlap.saved_parameters import SavedParameters
-from hotlap.segmentation import segment
+from hotlap.segmentation import Rule, Segments, segment
+
+MOVED = 0.1  # s by which starts of segments may differ and be called the same
 
 
-def prepare(race: Race | str | Path, reference: str | Path | None = None, *, cache: bool = True) -> Course:
+def prepare(race: Race | str | Path, reference: str | Path | None = None, *, cache: bool = True, segments: Rule = Rule.PAPER) -> Course:
     """Make a race ready to fly: plan it, or read its reference, and cut that into segments.
 
     Args:
         race: a race, the name of a built-in one, or a file.
         reference: a CSV to read instead of planning.
         cache: take the plan from the user's cache if it is there, and leave it there.
+        segments: how it is cut.
 
     Raises:
         InputError: a file is not usable.
@@ -31,7 +34,7 @@ def prepare(race: Race | str | Path, reference: str | Path | None = None, *, cac
     """
     race = race if isinstance(race, Race) else load_race(race)
     flown = plan(race, cache=cache) if reference is None else load_reference(Path(reference), race)
-    return Course(race, flown, segment(flown))
+    return Course(race, flown, segment(flown, segments))
 
 
 def parameters_for(course: Course, saved: SavedParameters, source: str) -> NDArray[np.float64]:
@@ -50,7 +53,7 @@ def parameters_for(course: Course, saved: SavedParameters, source: str) -> NDArr
         raise InputError(source, "names", f"are {', '.join(saved.names)}; the controller takes {', '.join(space.names)}")
     if len(saved.segments) != len(segments):
         reason = f"there are {len(saved.segments)}, tuned for {saved.race}; {course.race.name} has {len(segments)}"
-        raise InputError(source, "segment", f"{reason}, and parameters belong to the segments of one reference")
+        raise InputError(source, "segment", f"{reason}, and parameters belong to the segments of one reference, cut by one rule")
     values = saved.values[:, [saved.names.index(name) for name in space.names]]
     for i, j in np.argwhere((values < space.low) | (values > space.high)).tolist():
         bounds = f"[{space.low[j]:g}, {space.high[j]:g}], which controller.low and controller.high may widen"
@@ -63,7 +66,19 @@ def differences(course: Course, saved: SavedParameters) -> tuple[str, ...]:
     remarks = []
     if saved.race != course.race.name:
         remarks.append(f"tuned for {saved.race}, used for {course.race.name}")
-    mine, theirs = course.segments.classes, saved.segments.classes
-    if mine != theirs:
-        remarks.append(f"tuned for segments {', '.join(theirs)}, used for {', '.join(mine)}")
+    mine, theirs = course.segments, saved.segments
+    if mine.segment_classes != theirs.segment_classes:
+        remarks.append(f"tuned for segments {', '.join(theirs.segment_classes)}, used for {', '.join(mine.segment_classes)}")
+    elif saved.race == course.race.name and not _same_pieces(mine, theirs):
+        remarks.append(f"tuned for segments that begin at {_starts(theirs)} s, used for {_starts(mine)} s")
     return tuple(remarks)
+
+
+def _same_pieces(mine: Segments, theirs: Segments) -> bool:
+    """Whether segments are the same parts of a flight, give or take what a plan may differ between machines."""
+    alike = mine.owners == theirs.owners and len(mine.starts) == len(theirs.starts)
+    return alike and bool(np.allclose(mine.starts, theirs.starts, rtol=0, atol=MOVED))
+
+
+def _starts(segments: Segments) -> str:
+    return ", ".join(f"{start:.1f}" for start in segments.starts)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +13,7 @@ from pydantic import Field
 from hotlap.errors import InputError
 from hotlap.faults import check, show, unknown_key
 from hotlap.schema import Described
-from hotlap.segmentation import SegmentClass, Segments
+from hotlap.segmentation import Piece, SegmentClass, Segments
 
 Remark = str | int | float | bool
 
@@ -41,10 +41,8 @@ class SavedParameters:
 
     def to_table(self) -> dict[str, Any]:
         """The content of the file."""
-        rows = [
-            {"class": str(name), "start": float(start), "end": float(end)} | dict(zip(self.names, map(float, row), strict=True))
-            for name, start, end, row in zip(self.segments.classes, self.segments.starts, self.segments.ends, self.values, strict=True)
-        ]
+        pieces = [[piece for piece in self.segments.pieces if piece.segment == i] for i in range(len(self.segments))]
+        rows = [_times(own) | dict(zip(self.names, map(float, row), strict=True)) for own, row in zip(pieces, self.values, strict=True)]
         return {"race": self.race, "names": list(self.names), "provenance": dict(self.provenance), "segment": rows}
 
     @classmethod
@@ -62,9 +60,9 @@ class SavedParameters:
         names = content.names
         if len({*OWN, *names}) < len(OWN) + len(names):
             raise InputError(source, "names", f"must differ from each other and from {', '.join(OWN)}")
-        rows = [_row(row, names, f"segment[{i}]", source) for i, row in enumerate(content.segment)]
-        segments = _segments([SegmentClass(row["class"]) for row in content.segment], rows, source)
-        return cls(content.race, names, segments, np.array([row[2:] for row in rows]), content.provenance)
+        values = [_row(row, names, f"segment[{i}]", source) for i, row in enumerate(content.segment)]
+        pieces = [piece for i, row in enumerate(content.segment) for piece in _pieces(row, i, source)]
+        return cls(content.race, names, _segments(pieces, source), np.array(values), content.provenance)
 
 
 class _Content(Described):
@@ -74,7 +72,8 @@ class _Content(Described):
         race: name of the race that they were tuned for.
         names: names of the parameters.
         provenance: remarks on their making.
-        segment: one table for each segment: class, start, end and a value for each name.
+        segment: one table for each segment: class, start, end and a value for each name. A segment of several pieces has lists of
+            starts and ends.
     """
 
     race: str
@@ -84,7 +83,7 @@ class _Content(Described):
 
 
 def _row(table: Mapping[str, Any], names: tuple[str, ...], key: str, source: str) -> list[float]:
-    """Start, end and values of one segment."""
+    """Values of one segment."""
     wanted = (*OWN, *names)
     for name in table:
         if name not in wanted:
@@ -94,20 +93,45 @@ def _row(table: Mapping[str, Any], names: tuple[str, ...], key: str, source: str
             raise InputError(source, f"{key}.{name}", "is missing")
     if table["class"] not in list(SegmentClass):
         raise InputError(source, f"{key}.class", f"must be {', '.join(SegmentClass)}, not {show(table['class'])}")
-    for name in wanted[1:]:
-        value = table[name]
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= LARGEST:
-            raise InputError(source, f"{key}.{name}", f"must be a finite number, not {show(value)}")
-    return [float(table[name]) for name in wanted[1:]]
+    return [_number(table[name], f"{key}.{name}", source) for name in names]
 
 
-def _segments(classes: list[SegmentClass], rows: list[list[float]], source: str) -> Segments:
-    """The segments, which must follow each other without a gap from 0."""
-    expected = 0.0
-    for i, (start, end, *_) in enumerate(rows):
-        if start != expected:
-            raise InputError(source, f"segment[{i}].start", f"must be {expected!r}, where the one before ends, not {start!r}")
-        if end <= start:
-            raise InputError(source, f"segment[{i}].end", "must be later than its start")
-        expected = end
-    return Segments(np.array([row[0] for row in rows]), tuple(classes), expected)
+def _number(value: Any, key: str, source: str) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= LARGEST:
+        raise InputError(source, key, f"must be a finite number, not {show(value)}")
+    return float(value)
+
+
+def _times(pieces: Sequence[Piece]) -> dict[str, Any]:
+    """Class, start and end of one segment; lists where it has several pieces."""
+    starts, ends = [piece.start for piece in pieces], [piece.end for piece in pieces]
+    one = len(pieces) == 1
+    return {"class": str(pieces[0].kind), "start": starts[0] if one else starts, "end": ends[0] if one else ends}
+
+
+def _pieces(table: Mapping[str, Any], segment: int, source: str) -> list[Piece]:
+    """The inverse of `_times`."""
+    key = f"segment[{segment}]"
+    starts, ends = ([*value] if isinstance(value := table[name], list | tuple) else [value] for name in ("start", "end"))
+    if not len(starts) == len(ends) > 0:
+        raise InputError(source, f"{key}.end", f"must be as many as there are starts, {len(starts)}, and at least one; not {len(ends)}")
+    numbers = (
+        (_number(start, f"{key}.start", source), _number(end, f"{key}.end", source)) for start, end in zip(starts, ends, strict=True)
+    )
+    return [Piece(segment, SegmentClass(table["class"]), start, end) for start, end in numbers]
+
+
+def _segments(pieces: Sequence[Piece], source: str) -> Segments:
+    """The segments, whose pieces must follow each other without a gap from 0."""
+    several = max(piece.segment for piece in pieces) + 1 < len(pieces)
+    ordered, expected = sorted(pieces, key=lambda piece: piece.start) if several else pieces, 0.0
+    for piece in ordered:
+        if piece.start != expected:
+            key = f"segment[{piece.segment}].start"
+            raise InputError(source, key, f"must be {expected!r}, where the one before ends, not {piece.start!r}")
+        if piece.end <= piece.start:
+            raise InputError(source, f"segment[{piece.segment}].end", "must be later than its start")
+        expected = piece.end
+    starts, classes = np.array([piece.start for piece in ordered]), tuple(piece.kind for piece in ordered)
+    return Segments(starts, classes, expected, tuple(piece.segment for piece in ordered) if several else ())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from hotlap.analysis.runs_file import RunsFile
 from hotlap.errors import StudyError
 from hotlap.goal import parse_goal
 from hotlap.objective import Objective
+from hotlap.segmentation import Rule, segment
 from hotlap.tuning import Tuning, TuningSettings, course_for, tune
 
 SETTINGS = TuningSettings(goal=parse_goal("completion=1"), budget=60, reliability=0.0, validation=50)
@@ -27,7 +29,9 @@ def straight(monkeypatch) -> None:
     """A world, a planner and segments that take no time."""
     monkeypatch.setattr(worlds, "build", lambda _: FakeWorld())
     monkeypatch.setattr(preparation, "plan", lambda *_, **__: make_course().reference)
-    monkeypatch.setattr(preparation, "segment", lambda _: make_course().segments)
+    monkeypatch.setattr(
+        preparation, "segment", lambda reference, rule: make_course().segments if rule is Rule.PAPER else segment(reference, rule)
+    )
 
 
 def cell(tuner: str = NAMES[1], seeds: tuple[int, ...] = (0, 1, 2, 3), **changes) -> Cell:
@@ -71,8 +75,9 @@ def test_the_curve_ends_where_the_run_does_and_the_tuner_is_on_the_clock():
 def test_a_key_changes_with_all_that_decides_about_a_run_but_its_seed():
     same = {cell().key, cell(seeds=(7,)).key}
     others = [cell("cma_es:log"), cell(budget=61), cell(confirm=5), cell(validation=10), cell(goal=parse_goal("mean_error<0.3"))]
+    others += [replace(cell(), segments=rule) for rule in (Rule.NONE, Rule.EQUAL_TIME, Rule.AUTOMATIC)]
     assert len(same) == 1
-    assert len({*same, *(other.key for other in others)}) == 6
+    assert len({*same, *(other.key for other in others)}) == 9
 
 
 def test_what_is_done_is_not_flown_again_and_what_may_share_flights_does():
@@ -84,6 +89,12 @@ def test_what_is_done_is_not_flown_again_and_what_may_share_flights_does():
         [("guided_walk:default", (0, 1, 2, 3))],
     ]
     assert missing([short], {(short.key, seed): make_run() for seed in range(3)}, 2) == []
+
+
+def test_cells_that_are_cut_by_different_rules_are_flown_apart():
+    whole, paper = replace(cell(seeds=(0,)), segments=Rule.NONE), cell(seeds=(0,))
+    assert sorted(len(group) for group in missing([whole, paper], {}, 1)) == [1, 1]
+    assert [run.seed for _, run in fly_cells((whole,))] == [0]
 
 
 @pytest.mark.parametrize("processes", [1, 2, 3, 50])

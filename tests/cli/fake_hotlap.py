@@ -17,6 +17,7 @@ from fake_world import FakeWorld, make_course
 from hotlap import preparation, worlds
 from hotlap.errors import UnknownNameError
 from hotlap.records import Log
+from hotlap.segmentation import Rule, segment
 
 
 @dataclass
@@ -68,7 +69,7 @@ MODULES = {
 REPLACEMENTS: list[tuple[Any, str, Any]] = [
     (worlds, "build", build),
     (preparation, "plan", lambda *_, **__: make_course().reference),
-    (preparation, "segment", lambda _: make_course().segments),
+    (preparation, "segment", lambda reference, rule: make_course().segments if rule is Rule.PAPER else segment(reference, rule)),
 ]
 """What to put in place of what flies, plans and draws."""
 

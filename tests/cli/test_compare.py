@@ -53,6 +53,15 @@ def test_the_same_command_flies_nothing_and_more_seeds_fly_what_is_missing(hotla
     assert [row["runs"] for row in more.document["rows"]] == [4, 4]
 
 
+def test_another_rule_for_segments_is_another_comparison(hotlap):
+    first = hotlap(*ASKED, "--json")
+    other = hotlap(*ASKED, "--segments", "none", "--json")
+    assert "are there already" not in other.err
+    assert [row["runs"] for row in other.document["rows"]] == [3, 3]
+    assert "6 of 6 runs are there already" in hotlap(*ASKED, "--segments", "none").err
+    assert hotlap(*ASKED, "--segments", "paper", "--json").document == first.document
+
+
 def test_budgets_of_some_tuners(hotlap):
     asked = [*ASKED, "--budget", "30,metropolis_hastings=50", "--json"]
     assert hotlap(*asked).document["budget"] == {"random_search:paper": 30, "metropolis_hastings:tied": 50}

@@ -7,10 +7,13 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 
 from fake_world import make_course
+from hotlap.cli.arguments import RULES
 from hotlap.reference_csv import load_reference, save_reference
+from hotlap.segmentation import SegmentClass, Segments
 
 
 @pytest.mark.usefixtures("faked")
@@ -28,7 +31,10 @@ def test_json_has_the_keys_that_are_relied_on(hotlap):
     document = hotlap("plan", "straight.toml", "--json").document
     assert set(document) == {"race", "duration", "lap_time", "max_speed", "mean_speed", "cpu_time", "gates", "segments"}
     assert (document["race"], document["gates"], document["duration"]) == ("straight", 5, 5.0)
-    assert document["segments"] == [{"class": "flat", "start": 0.0, "end": 2.5}, {"class": "ascent", "start": 2.5, "end": 5.0}]
+    assert document["segments"] == [
+        {"class": "flat", "start": 0.0, "end": 2.5, "segment": 0},
+        {"class": "ascent", "start": 2.5, "end": 5.0, "segment": 1},
+    ]
 
 
 @pytest.mark.usefixtures("faked")
@@ -62,3 +68,23 @@ def test_planning_can_be_interrupted(here, environment):
     assert (process.returncode, out) == (130, "")
     assert err.splitlines()[-1] == "hotlap: interrupted; begin again with: hotlap plan long.toml"
     assert "Traceback" not in err
+
+
+@pytest.mark.usefixtures("faked")
+def test_a_rule_decides_about_the_segments(hotlap):
+    asked = {rule: hotlap("plan", "straight.toml", "--segments", rule, "--json").document["segments"] for rule in RULES}
+    assert [len(asked[rule]) for rule in ("paper", "released_1m", "released_3m", "none", "equal_time")] == [2, 1, 1, 1, 2]
+    assert asked["paper"] == hotlap("plan", "straight.toml", "--json").document["segments"]
+    assert asked["automatic"] == [{"class": "cruise", "start": 0.0, "end": 5.0, "segment": 0}]
+
+
+@pytest.mark.usefixtures("faked")
+def test_pieces_that_share_have_the_number_of_their_segment(hotlap, monkeypatch):
+    shared = Segments(np.array([0.0, 1.5, 3.5]), (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN), 5.0, (0, 1, 0))
+    monkeypatch.setattr("hotlap.preparation.segment", lambda *_: shared)
+    ran = hotlap("plan", "straight.toml", "--segments", "automatic")
+    rows = [line.split() for line in ran.out.splitlines() if line.startswith(("  turn", "  cruise"))]
+    assert rows == [["turn", "0.00", "1.50", "1", "1"], ["cruise", "1.50", "3.50", "2", "2"], ["turn", "3.50", "5.00", "2", "1"]]
+    assert ran.out.endswith("1 turn 0.0-1.5 s   2 cruise 1.5-3.5 s   1 turn 3.5-5.0 s\n")
+    document = hotlap("plan", "straight.toml", "--segments", "automatic", "--json").document
+    assert [piece["segment"] for piece in document["segments"]] == [0, 1, 0]

@@ -270,6 +270,28 @@ def test_names_that_a_shell_would_take_apart_come_back_whole(hotlap, here):
     assert ran.out.endswith("fly it again: hotlap fly 'my race.toml' --parameters 'my study'\n")
 
 
+@pytest.mark.parametrize(("rule", "count"), [("none", 1), ("equal_time", 2), ("automatic", 1)])
+def test_a_race_is_tuned_and_flown_by_the_rule_that_is_asked_for(hotlap, here, rule, count):
+    ran = hotlap(*EASY, "--segments", rule, "--out", "mine")
+    assert ran.out.endswith(f"fly it again: hotlap fly straight.toml --parameters mine --segments {rule}\n")
+    assert len(load_parameters(here / "mine").values) == count
+    flown = hotlap(*shlex.split(ran.out.splitlines()[-1].partition("hotlap ")[2]), "--flights", "5")
+    assert (flown.code, "note: mine" in flown.err) == (0, False), flown.err
+    other = hotlap(*EASY, "--out", "mine")
+    assert other.code == 2
+    assert "mine: segments." in other.err
+    assert hotlap(*EASY, "--segments", rule, "--out", "mine").code == 0
+
+
+def test_parameters_of_another_rule_are_refused_or_remarked_upon(hotlap):
+    hotlap(*EASY, "--segments", "equal_time", "--out", "halves")
+    hotlap(*EASY, "--segments", "none", "--out", "whole")
+    assert "tuned for segments flat, flat, used for flat, ascent" in hotlap("fly", "straight.toml", "--parameters", "halves").err
+    ran = hotlap("fly", "straight.toml", "--parameters", "whole")
+    assert ran.code == 2
+    assert "there are 1, tuned for straight; straight has 2, and parameters belong to the segments of one reference, cut by" in ran.err
+
+
 def test_a_tuner_may_have_something_to_say(hotlap):
     ran = hotlap("tune", "straight.toml", "--tuner", "safe_bayesian", "--goal", "none", "--budget", "12", "--json")
     assert "of 12 flights below the floor" in ran.document["remark"]

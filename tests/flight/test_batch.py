@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from hotlap.flight.batch import fly_batch
 from hotlap.flight.numbers import Numbers
 from hotlap.preparation import prepare
 from hotlap.records import End, Flights
+from hotlap.segmentation import SegmentClass, Segments
 from hotlap.truth import TRUTH, truth_of
 
 NOISE = {"thrust": 0.02, "rates": 0.1, "thrust_bias": 0.01, "position": 0.05, "velocity": 0.05, "attitude": 0.01}
@@ -197,3 +198,15 @@ def test_records_have_a_row_for_every_flight(whole):
     for field in fields(Flights):
         if field.name in PER_FLIGHT:
             assert len(getattr(whole, field.name)) == 40
+
+
+def test_pieces_of_one_segment_fly_with_its_weights():
+    """Three pieces of which the first and the last share, and three segments of which two are given the same values."""
+    course, (a, b) = make_course(noise=NOISE), SCATTERED[0]
+    starts, kinds = np.array([0.0, 0.8, BORDER]), (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN)
+    shared, apart = (replace(course, segments=Segments(starts, kinds, course.segments.duration, owners)) for owners in ((0, 1, 0), ()))
+    one, other = fly(shared, np.array([[a, b]] * 8)), fly(apart, np.array([[a, b, a]] * 8))
+    assert_same(one, slice(None), other, slice(None))
+    assert one.gate_segments.tolist() == shared.segments.at(one.gate_times).tolist()
+    assert set(one.gate_segments.tolist()) <= {0, 1}
+    assert not np.array_equal(fly(apart, np.array([[a, b, b]] * 8)).mean_error, one.mean_error)

@@ -23,9 +23,10 @@ from hotlap.race import JudgeSettings, Rule
 from hotlap.records import End, Log
 from hotlap.report import figures
 from hotlap.report.history import compare, recount
+from hotlap.report.map import CLASS_CODES
 from hotlap.report.pictures import FORMATS, demonstrate, draw, draw_plan, save
 from hotlap.report.scene import stage
-from hotlap.report.style import styled
+from hotlap.report.style import CLASS_COLOURS, styled
 from hotlap.scoring import Metric
 from hotlap.seeds import Stream, flight_seeds
 from hotlap.segmentation import SegmentClass, Segments
@@ -82,6 +83,22 @@ def test_many_segments_can_be_drawn(tmp_path):
     starts = np.arange(len(kinds)) * course.reference.duration / len(kinds)
     course = replace(course, segments=Segments(starts, kinds, course.reference.duration))
     check(tmp_path, draw_study(tmp_path, course=course))
+
+
+def test_segments_of_several_pieces_can_be_drawn(tmp_path):
+    course, kinds = make_course(), (SegmentClass.TURN, SegmentClass.HARD_TURN, SegmentClass.TURN)
+    segments = Segments(np.array([0.0, 1.0, 2.5]), kinds, course.reference.duration, (0, 1, 0))
+    course = replace(course, segments=segments)
+    check(tmp_path, draw_study(tmp_path, course=course))
+    draw_plan(tmp_path / "plan.png", course)
+    change = compare(course.space, segments, course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), 0.5)
+    named = texts(figures.tuned_parameters(change, "straight"))
+    assert "turn  3.5 s" in named
+    assert "hard_turn  1.0–2.5 s" in named
+
+
+def test_every_class_has_a_colour():
+    assert set(CLASS_COLOURS) == set(CLASS_CODES) == set(SegmentClass)
 
 
 def test_the_rule_closest_can_be_drawn(tmp_path):

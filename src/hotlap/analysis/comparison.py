@@ -19,6 +19,7 @@ from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.preparation import prepare
 from hotlap.race import Race
 from hotlap.records import Scores
+from hotlap.segmentation import Rule
 from hotlap.tuners.tuner import Tuner
 from hotlap.tuning import Batch, Tuning, TuningSettings, course_for, tune_together
 from hotlap.worlds.built_in import BuiltIn
@@ -36,6 +37,7 @@ class Cell:
         settings: of all its runs, but for the seed.
         seeds: of the runs.
         world: where.
+        segments: how the reference is cut.
     """
 
     race: Race
@@ -43,19 +45,20 @@ class Cell:
     settings: TuningSettings
     seeds: tuple[int, ...]
     world: str = worlds.DEFAULT
+    segments: Rule = Rule.PAPER
 
     @property
     def key(self) -> str:
         """Changes whenever something changes that decides about a run, its seed apart."""
         tuner = tuners.build(self.tuner)
-        course = course_for(prepare(self.race), tuner)
+        course = course_for(prepare(self.race, segments=self.segments), tuner)
         first, goal = course.space.first_guess(len(course.segments)), self.settings.goal
         fingerprint = Configuration(course, self.world, goal.metric, tuner.name, self.settings, first).fingerprint
         return f"{fingerprint}-{self.settings.budget}"
 
 
 Group = tuple[Cell, ...]
-"""Cells whose flights may be flown together: of one race, in one world, all with dense costs or none."""
+"""Cells whose flights may be flown together: of one race, cut by one rule, in one world, all with dense costs or none."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,7 @@ class _Progress:
 def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
     """The runs of cells that share a course, as they end."""
     first = cells[0]
-    course = course_for(prepare(first.race), tuners.build(first.tuner))
+    course = course_for(prepare(first.race, segments=first.segments), tuners.build(first.tuner))
     world = worlds.build(first.world)
     if isinstance(world, BuiltIn) and parent_process() is not None:
         world.threads = 1  # there is a worker for each processor
@@ -229,12 +232,12 @@ def missing(cells: Sequence[Cell], done: Mapping[tuple[str, int], Run], processe
         done: runs by key of their cell and seed.
         processes: there are at least so many groups, where there are so many runs.
     """
-    groups: dict[tuple[str, bool], list[Cell]] = {}
+    groups: dict[tuple[str, bool, Rule], list[Cell]] = {}
     for cell in cells:
         key = cell.key
         seeds = tuple(seed for seed in cell.seeds if (key, seed) not in done)
         if seeds:
-            groups.setdefault((cell.race.name, flies_on(cell.tuner)), []).append(replace(cell, seeds=seeds))
+            groups.setdefault((cell.race.name, flies_on(cell.tuner), cell.segments), []).append(replace(cell, seeds=seeds))
     parts = -(-processes // len(groups)) if groups else 1
     divided = [
         tuple(replace(cell, seeds=cell.seeds[k::parts]) for cell in group if cell.seeds[k::parts])

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from hotlap.cli.parser import Parser, fraction, one_of, path, whole
 
 KINDS = ("race", "track", "quadrotor")
+RULES = ("paper", "released_1m", "released_3m", "none", "equal_time", "automatic")
 GOALS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
 
 
@@ -52,6 +53,11 @@ def _controller(parser: Parser) -> None:
     parser.add_argument("--controller", type=kinds, metavar="KIND", help="mpc, mpc_drag or geometric (default: the race's)")
 
 
+def _segments(parser: Parser) -> None:
+    rules = one_of("segmentation rule", RULES)
+    parser.add_argument("--segments", type=rules, default=RULES[0], metavar="RULE", help=f"{', '.join(RULES)} (default: {RULES[0]})")
+
+
 def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
@@ -70,6 +76,7 @@ def _plan(parser: Parser) -> None:
     parser.add_argument("--out", type=path, metavar="FILE", help="write the reference as CSV")
     parser.add_argument("--picture", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
     _reference(parser)
+    _segments(parser)
     parser.add_argument("--no-cache", action="store_true", help="plan anew, and keep nothing in the cache of plans")
 
 
@@ -82,6 +89,7 @@ def _tune(parser: Parser) -> None:
     add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")
     add("--out", type=path, metavar="DIR", help="folder of the study, begun or gone on with (default: runs/RACE-DATE, new)")
     _reference(parser)
+    _segments(parser)
     add("--first-guess", default="default", metavar="FILE", help="parameters to begin with: a file, a study's folder, or default")
     _controller(parser)
     _world(parser)
@@ -100,6 +108,7 @@ def _fly(parser: Parser) -> None:
     add("--flights", type=whole, default=100, metavar="N", help="how many, each with noise of its own (default: 100)")
     add("--seed", type=whole, default=0, metavar="S", help="of the noise (default: 0)")
     _reference(parser)
+    _segments(parser)
     _controller(parser)
     _world(parser)
     add("--log", type=path, metavar="FILE", help="write the first flight as CSV, step by step")
@@ -119,6 +128,7 @@ def _compare(parser: Parser) -> None:
     add("--worlds", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
     add("--validation", type=whole, default=50, metavar="N", help="flights of each result with fresh noise (default: 50)")
     add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
+    _segments(parser)
     _controller(parser)
     _world(parser)
 

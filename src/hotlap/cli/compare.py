@@ -23,6 +23,7 @@ from hotlap.files import load_race
 from hotlap.goal import parse_goal
 from hotlap.preparation import prepare
 from hotlap.race import Race
+from hotlap.segmentation import Rule
 from hotlap.tuning import TuningSettings
 
 TABLE = "table.md"
@@ -71,13 +72,13 @@ def _cells(options: Namespace) -> list[Cell]:
     numbers = {name: getattr(options, name) for name in ("validation", "confirm", "randomise", "worlds")}
     same = {"goal": parse_goal(options.goal), "reliability": 0.0, **numbers}
     settings = {name: TuningSettings(budget=budget_of(name, budgets), **same) for name in names}
-    seeds = tuple(range(options.seeds))
+    seeds, rule = tuple(range(options.seeds)), Rule(options.segments)
     races = [_race(name, options) for name in options.races]
     for race in races:
         with working(f"planning {race.name}"):
-            course = prepare(race)
+            course = prepare(race, segments=rule)
         make_ready(world, course)
-    return [Cell(race, name, settings[name], seeds, options.on) for race in races for name in dict.fromkeys(names)]
+    return [Cell(race, name, settings[name], seeds, options.on, rule) for race in races for name in dict.fromkeys(names)]
 
 
 def _race(name: str, options: Namespace) -> Race:

@@ -15,6 +15,7 @@ from hotlap.files import PARAMETERS_FILE, load_parameters, load_race
 from hotlap.parameters import Parameters
 from hotlap.preparation import differences, parameters_for, prepare
 from hotlap.race import Race
+from hotlap.segmentation import Rule
 from hotlap.worlds.world import World
 
 
@@ -27,7 +28,7 @@ def load(options: Namespace) -> Race:
 def make_course(race: Race, options: Namespace) -> Course:
     """Plan, or read the reference."""
     with working(f"planning {race.name}" if options.reference is None else f"reading {options.reference}"):
-        return prepare(race, options.reference)
+        return prepare(race, options.reference, segments=Rule(options.segments))
 
 
 def make_ready(world: World, course: Course) -> None:
@@ -60,6 +61,8 @@ def command_to_fly(options: Namespace, parameters: Path) -> str:
     words = ["hotlap", "fly", options.race, "--parameters", str(parameters)]
     if options.reference is not None:
         words += ["--reference", str(options.reference)]
+    if options.segments != Rule.PAPER:
+        words += ["--segments", options.segments]
     if options.controller is not None:
         words += ["--controller", options.controller]
     if options.on != "built-in":

@@ -7,6 +7,7 @@ from argparse import Namespace
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 from rich.text import Text
 
 from hotlap.cli.inputs import PICTURES, check_source, check_target
@@ -16,6 +17,7 @@ from hotlap.files import load_race
 from hotlap.preparation import prepare
 from hotlap.reference_csv import save_reference
 from hotlap.report.map import draw_map
+from hotlap.segmentation import Rule
 
 WIDEST = 100  # columns of a map
 
@@ -27,7 +29,7 @@ def run(options: Namespace) -> int:
     check_source(options.reference)
     race = load_race(options.race)
     with working(f"planning {race.name}" if options.reference is None else f"reading {options.reference}"):
-        course = prepare(race, options.reference, cache=not options.no_cache)
+        course = prepare(race, options.reference, cache=not options.no_cache, segments=Rule(options.segments))
     if options.out is not None:
         save_reference(options.out, course.reference)
     if options.picture is not None:
@@ -42,8 +44,7 @@ def run(options: Namespace) -> int:
 
 def describe(course: Course) -> dict[str, Any]:
     """The keys of `hotlap plan --json`."""
-    reference, segments = course.reference, course.segments
-    rows = zip(segments.classes, segments.starts.tolist(), segments.ends.tolist(), strict=True)
+    reference, pieces = course.reference, course.segments.pieces
     return {
         "race": course.race.name,
         "duration": float(reference.duration),
@@ -52,13 +53,13 @@ def describe(course: Course) -> dict[str, Any]:
         "mean_speed": float(reference.speeds.mean()),
         "cpu_time": float(reference.cpu_time),
         "gates": len(reference.gate_times),
-        "segments": [{"class": name, "start": start, "end": end} for name, start, end in rows],
+        "segments": [{"class": piece.kind, "start": piece.start, "end": piece.end, "segment": piece.segment} for piece in pieces],
     }
 
 
 def _lines(course: Course) -> Iterator[Line]:
     """For people: figures, segments, and a map."""
-    reference, segments = course.reference, course.segments
+    reference = course.reference
     yield f"{course.race.name}: {len(reference.gate_times)} gates in {seconds(reference.lap_time)}"
     yield from facts(
         {
@@ -69,11 +70,18 @@ def _lines(course: Course) -> Iterator[Line]:
             "planned in": f"{reference.cpu_time:.1f} s of processor time" if reference.cpu_time else "",
         }
     )
-    gates = [str((course.gate_segments == i).sum()) for i in range(len(segments))]
-    rows = zip(segments.classes, segments.starts, segments.ends, gates, strict=True)
-    cells = [("segment", "start", "end", "gates"), *((str(name), f"{start:.2f}", f"{end:.2f}", count) for name, start, end, count in rows)]
-    yield from table(cells, right=(1, 2, 3), indent="  ")
+    yield from table(_cells(course), right=(1, 2, 3, 4), indent="  ")
     yield from _map(course)
+
+
+def _cells(course: Course) -> list[tuple[str, ...]]:
+    """A row for each piece; where segments have several, with the number of its segment, as in the map."""
+    segments = course.segments
+    gates = np.bincount(segments.piece_at(course.reference.gate_times), minlength=len(segments.classes)).tolist()
+    cells = [("segment", "start", "end", "gates", "no.")]
+    for piece, count in zip(segments.pieces, gates, strict=True):
+        cells.append((str(piece.kind), f"{piece.start:.2f}", f"{piece.end:.2f}", str(count), str(piece.segment + 1)))
+    return cells if segments.owners else [row[:-1] for row in cells]
 
 
 def _map(course: Course) -> Iterator[Line]:

@@ -21,6 +21,11 @@ CLASS_CODES = {  # ANSI foreground colours
     SegmentClass.ASCENT: 32,
     SegmentClass.DESCENT: 33,
     SegmentClass.STEEP: 35,
+    SegmentClass.CRUISE: 36,
+    SegmentClass.ACCELERATION: 32,
+    SegmentClass.BRAKING: 31,
+    SegmentClass.TURN: 33,
+    SegmentClass.HARD_TURN: 35,
 }
 LEAST_EXTENT = 1.0  # m
 LEAST_COLUMNS = 34  # for a title
@@ -77,14 +82,14 @@ class _Canvas:
 
     def lines(self, segments: Segments, *, colour: bool) -> list[str]:
         """As text, every row of full width."""
-        lines = []
+        lines, classes = [], segments.segment_classes
         for dots, kinds, texts in zip(self.dots, self.kinds, self.texts, strict=True):
             line = ""
             for dot, kind, text in zip(dots.tolist(), kinds.tolist(), texts.tolist(), strict=True):
                 if text or not dot:
                     line += text or " "
                 else:
-                    line += _paint(chr(BRAILLE + dot), segments.classes[kind] if colour else None)
+                    line += _paint(chr(BRAILLE + dot), classes[kind] if colour else None)
             lines.append(line)
         return lines
 
@@ -205,13 +210,13 @@ def _write_gates(canvas: _Canvas, start: Floats, gates: Floats) -> None:
 
 
 def _list_segments(segments: Segments, width: int, *, colour: bool) -> list[str]:
-    """Segments with their times, as many in a line as fit."""
+    """Pieces with the number of their segment, class and times, as many in a line as fit."""
     lines, length = [""], 0
-    for i, (start, end, kind) in enumerate(zip(segments.starts, segments.ends, segments.classes, strict=True)):
-        text = f"{i + 1} {kind.value} {start:.1f}-{end:.1f} s"
+    for piece in segments.pieces:
+        text = f"{piece.segment + 1} {piece.kind.value} {piece.start:.1f}-{piece.end:.1f} s"
         if length and length + 3 + len(text) > width:
             lines, length = [*lines, ""], 0
-        lines[-1] += ("   " if length else "") + _paint(text, kind if colour else None)
+        lines[-1] += ("   " if length else "") + _paint(text, piece.kind if colour else None)
         length += len(text) + (3 if length else 0)
     return lines
 

@@ -38,9 +38,10 @@ def tuned_parameters(change: Change, title: str, detail: str = "hollow: first gu
 
 
 def _name(change: Change, i: int) -> str:
-    """A segment with its times."""
-    segments = change.segments
-    return f"{segments.classes[i].value}  {segments.starts[i]:.1f}–{segments.ends[i]:.1f} s"
+    """A segment with its times, all of them together where there are several."""
+    pieces = [piece for piece in change.segments.pieces if piece.segment == i]
+    times = f"{pieces[0].start:.1f}–{pieces[0].end:.1f} s" if len(pieces) == 1 else f"{sum(p.end - p.start for p in pieces):.1f} s"
+    return f"{pieces[0].kind.value}  {times}"
 
 
 def _draw(axes: Axes, change: Change, k: int) -> None:
@@ -54,7 +55,7 @@ def _draw(axes: Axes, change: Change, k: int) -> None:
     axes.spines["left"].set_visible(False)
     axes.tick_params(axis="y", length=0)
     axes.axvspan(low, high, color="#f6f6f6", linewidth=0, zorder=0)
-    for i, kind in enumerate(change.segments.classes):
+    for i, kind in enumerate(change.segments.segment_classes):
         before, after = float(change.before[i, k]), float(change.after[i, k])
         colour = CLASS_COLOURS[kind]
         axes.axhline(i, color=FAINT, linewidth=0.5, zorder=1)

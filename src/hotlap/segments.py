@@ -1,0 +1,86 @@
+"""Segments: which parameters are flown with when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class SegmentClass(StrEnum):
+    """What a part of a reference does: by its height (the paper's four), or by its acceleration."""
+
+    FLAT = "flat"
+    ASCENT = "ascent"
+    DESCENT = "descent"
+    STEEP = "steep"
+    CRUISE = "cruise"
+    ACCELERATION = "acceleration"
+    BRAKING = "braking"
+    TURN = "turn"
+    HARD_TURN = "hard_turn"
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of a reference.
+
+    Attributes:
+        segment: index of the segment that it belongs to.
+        kind: its class.
+        start, end: [s].
+    """
+
+    segment: int
+    kind: SegmentClass
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Segments:
+    """What has parameters of its own: S segments, each of one or more of the P consecutive pieces of a reference.
+
+    Attributes:
+        starts: [s] shape (P,), of the pieces, ascending; the first is 0.
+        classes: P classes; the pieces of one segment are of one class.
+        duration: [s] end of the last piece.
+        owners: P indices, 0 to S - 1, of the segment that each piece belongs to; empty where every piece is a segment, S = P.
+    """
+
+    starts: NDArray[np.float64]
+    classes: tuple[SegmentClass, ...]
+    duration: float
+    owners: tuple[int, ...] = ()
+
+    def __len__(self) -> int:
+        """S, the number of segments."""
+        return max(self.owners) + 1 if self.owners else len(self.classes)
+
+    @property
+    def ends(self) -> NDArray[np.float64]:
+        """[s] of the pieces, shape (P,)."""
+        return np.append(self.starts[1:], self.duration)
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """P pieces in order."""
+        owners = self.owners or range(len(self.classes))
+        return tuple(map(Piece, owners, self.classes, self.starts.tolist(), self.ends.tolist()))
+
+    @property
+    def segment_classes(self) -> tuple[SegmentClass, ...]:
+        """S classes, of the segments."""
+        kinds = {piece.segment: piece.kind for piece in self.pieces}
+        return tuple(kinds[i] for i in range(len(self)))
+
+    def at(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Index of the segment at each time [s]; the last piece holds for ever."""
+        pieces = self.piece_at(times)
+        return np.array(self.owners, dtype=np.int64)[pieces] if self.owners else pieces
+
+    def piece_at(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Index of the piece at each time [s]; the last one holds for ever."""
+        return np.clip(np.searchsorted(self.starts, times, side="right") - 1, 0, len(self.classes) - 1)
