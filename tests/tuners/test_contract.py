@@ -7,6 +7,7 @@ import hashlib
 import json
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -132,6 +133,11 @@ def test_what_it_hands_out_is_not_its_own_memory(name):
         tuner.tell(asked, scores)
         untouched.tell(same, scores)
         asked[:] = -1.0
+
+
+@EVERY
+def test_settings_are_plain_json(name):
+    assert json.loads(json.dumps(asdict(tuners.build(name).settings), allow_nan=False))
 
 
 @EVERY

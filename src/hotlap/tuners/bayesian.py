@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from enum import Enum
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,7 @@ LOCAL_STEPS = (0.1, 0.03, 0.01)  # around the best candidate, then around the be
 NEIGHBOURS = 40  # candidates of a local step
 
 
-class Family(Enum):
+class Family(StrEnum):
     """Kernels of Table I, named as in `kernels.KERNELS`."""
 
     MATERN = "matern"
