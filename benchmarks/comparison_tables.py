@@ -63,7 +63,9 @@ def main() -> None:
     """Print them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    runs = list(RunsFile(parser.parse_args().folder).done.values())
+    done = RunsFile(parser.parse_args().folder).done
+    latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # what was flown with other settings is out of date
+    runs = [run for (key, _), run in done.items() if latest[run.race, run.tuner] == key]
     names = list(dict.fromkeys(run.race for run in runs))
     suites = [[name for name in names if not name.startswith("airsim")], [name for name in names if name.startswith("airsim")]]
     for races in filter(None, suites):

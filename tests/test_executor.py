@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from hotlap.errors import HotlapError, InputError, PlanningError, StudyError, UnknownNameError
 from hotlap.executor import spread
 from hotlap.threads import VARIABLES as ONE_THREAD
 
@@ -25,6 +26,27 @@ def count(piece: int):
 def fail(piece: int):
     yield piece
     raise ValueError(f"piece {piece} is bad")
+
+
+OURS = [
+    HotlapError("plain"),
+    InputError("file", "key", "is bad"),
+    StudyError("folder", "", "is held"),
+    UnknownNameError("race", "x", ["a"], "--race"),
+    PlanningError("track", 3, "too far"),
+]
+
+
+class ForeignError(Exception):
+    """Cannot be built from its own arguments."""
+
+    def __init__(self, one: int, two: int) -> None:
+        super().__init__(f"{one} and {two}")
+
+
+def complain(piece: int):
+    yield piece
+    raise OURS[piece] if piece < len(OURS) else ForeignError(1, 2)
 
 
 def die(piece: int):
@@ -64,8 +86,21 @@ def test_an_error_of_a_piece_is_raised_after_its_results(processes):
     assert found
 
 
+@pytest.mark.parametrize("piece", range(len(OURS)))
+def test_our_errors_arrive_as_they_were(piece):
+    with pytest.raises(type(OURS[piece])) as raised:
+        list(spread(complain, [piece, piece], 2))
+    assert str(raised.value) == str(OURS[piece])
+    assert vars(raised.value) == vars(OURS[piece])
+
+
+def test_a_foreign_error_arrives_in_words():
+    with pytest.raises(RuntimeError, match="ForeignError: 1 and 2"):
+        list(spread(complain, [len(OURS)] * 2, 2))
+
+
 def test_a_worker_that_dies_is_not_waited_for():
-    with pytest.raises(RuntimeError, match="worker process has died"):
+    with pytest.raises(HotlapError, match="worker process has died"):
         list(spread(die, [1, 2], 2))
 
 

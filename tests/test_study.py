@@ -295,6 +295,7 @@ run({str(tmp_path)!r}, long(budget=300))
     [
         (lambda folder: (folder / FILE).write_text("not a database, not at all " * 100), "is no database, so no study"),
         (lambda folder: wound(folder, "PRAGMA user_version = 99"), "was made by a newer hotlap .format 99"),
+        (lambda folder: wound(folder, "PRAGMA user_version = 1"), "was made by an older hotlap .format 1"),
         (lambda folder: wound(folder, "PRAGMA application_id = 7"), "is a database, but no study"),
         (lambda folder: wound(folder, "DELETE FROM entry"), "damaged"),
         (lambda folder: (folder / FILE).write_bytes((folder / FILE).read_bytes()[:9000] + b"\7" * 6000), "damaged"),

@@ -14,7 +14,7 @@ from hotlap.errors import StudyError
 
 FILE, LOCK = "study.sqlite", "study.lock"
 APPLICATION = 0x686F746C  # "hotl", in the header of the file
-FORMAT = 1  # of the tables; a newer one is refused
+FORMAT = 2  # of the tables and of what is kept in them; any other is refused
 
 _WORDS = {
     sqlite3.SQLITE_FULL: "the disk is full; all batches so far are kept: make room, and the same command goes on from there",
@@ -67,8 +67,9 @@ class Database:
             return True
         if application != APPLICATION:
             raise StudyError(str(self.folder), "", f"{FILE} is a database, but no study")
-        if made > FORMAT:
-            raise StudyError(str(self.folder), "", f"was made by a newer hotlap (format {made}; this one reads up to {FORMAT})")
+        if made != FORMAT:
+            maker = "a newer hotlap" if made > FORMAT else "an older hotlap"
+            raise StudyError(str(self.folder), "", f"was made by {maker} (format {made}; this one reads {FORMAT})")
         if self._pragma("quick_check") != "ok":
             raise StudyError(str(self.folder), "", f"{FILE} is damaged")
         return False

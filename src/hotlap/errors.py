@@ -7,10 +7,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from typing import Any
 
 
 class HotlapError(Exception):
-    """Base of every error that hotlap raises on purpose."""
+    """Base of every error that hotlap raises on purpose; one raised in a worker process arrives as it was."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (type(self), self.args, self.__dict__)
+
+
+def _rebuild(kind: type[HotlapError], arguments: tuple[Any, ...], state: dict[str, Any]) -> HotlapError:
+    """An error from its parts, whatever its constructor takes."""
+    error = kind.__new__(kind, *arguments)
+    error.__dict__.update(state)
+    return error
 
 
 class InputError(HotlapError):

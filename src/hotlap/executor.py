@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -15,6 +16,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
+from hotlap.errors import HotlapError
 from hotlap.threads import one_thread_each
 
 Piece = TypeVar("Piece")
@@ -59,7 +61,7 @@ def _serve(workers: Sequence[Connection], waiting: deque[tuple[int, Any]], piece
             try:
                 kind, index, content = worker.recv()
             except EOFError:
-                raise RuntimeError("a worker process has died, perhaps for want of memory") from None
+                raise HotlapError("a worker process has died, perhaps for want of memory") from None
             if kind == _ERROR:
                 raise content
             if kind == _ITEM:
@@ -107,5 +109,14 @@ def _labour(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
             except (BrokenPipeError, ConnectionResetError):
                 raise
             except Exception as error:  # noqa: BLE001  whatever it was, the parent raises it
-                pipe.send((_ERROR, index, error))
+                pipe.send((_ERROR, index, _portable(error)))
             pipe.send((_END, index, None))
+
+
+def _portable(error: Exception) -> Exception:
+    """An error that can be sent: itself, or its words where it cannot."""
+    try:
+        pickle.loads(pickle.dumps(error))  # noqa: S301  it is our own
+    except Exception:  # noqa: BLE001  a foreign error's constructor may take anything
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -121,26 +122,44 @@ def test_a_run_survives_json_though_it_never_finished_a_lap():
 
 
 def test_the_file_keeps_runs_and_drops_the_line_that_was_being_written(tmp_path):
-    with RunsFile(tmp_path).opened() as file:
+    with RunsFile.opened(tmp_path) as file:
         for seed in range(3):
             file.add("key", make_run(seed=seed))
     path = tmp_path / "runs.jsonl"
     path.write_bytes(path.read_bytes()[:-20])
-    with RunsFile(tmp_path).opened() as file:
+    with RunsFile.opened(tmp_path) as file:
         assert sorted(file.done) == [("key", 0), ("key", 1)]
         file.add("key", make_run(seed=2, flights=31))
     assert RunsFile(tmp_path).done["key", 2].flights == 31
     assert len(RunsFile(tmp_path).done) == 3
 
 
-def test_a_damaged_line_is_named(tmp_path):
-    (tmp_path / "runs.jsonl").write_text('{"key": "a"}\n', encoding="utf-8")
+@pytest.mark.parametrize("line", [b'{"key": "a"}', b"[1, 2]", b"\xff\xfe", b"", b'{"key": "a", "run": {"cost": 1}}'])
+def test_a_damaged_line_is_named(tmp_path, line):
+    (tmp_path / "runs.jsonl").write_bytes(line + b"\n{}\n")
     with pytest.raises(StudyError, match=r"runs.jsonl: line 1: is damaged"):
         RunsFile(tmp_path)
 
 
+def test_a_file_that_is_a_folder_is_refused(tmp_path):
+    (tmp_path / "runs.jsonl").mkdir()
+    with pytest.raises(StudyError, match=r"runs.jsonl: cannot be read: "):
+        RunsFile(tmp_path)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk at hand")
+def test_a_full_disk_is_said_and_loses_nothing(tmp_path):
+    with RunsFile.opened(tmp_path) as file:
+        file.add("key", make_run())
+        kept = file.path
+        file.path = Path("/dev/full")
+        with pytest.raises(StudyError, match="the runs so far are kept"):
+            file.add("key", make_run(seed=1))
+    assert list(RunsFile(kept.parent).done) == [("key", 0)]
+
+
 def test_a_folder_has_one_writer(tmp_path):
-    with RunsFile(tmp_path).opened(), pytest.raises(StudyError, match="is working on this"), RunsFile(tmp_path).opened():
+    with RunsFile.opened(tmp_path), pytest.raises(StudyError, match="is working on this"), RunsFile.opened(tmp_path):
         pass
 
 

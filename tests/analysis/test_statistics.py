@@ -10,9 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hotlap.analysis.statistics import (
-    Paired,
     bootstrap_interval,
-    compare_pairs,
     means,
     medians,
     performance_profile,
@@ -96,16 +94,3 @@ def test_profiles_rise_and_someone_wins_each_problem_that_was_solved(solvers, pr
     assert (np.diff(shares, axis=1) >= 0).all()
     np.testing.assert_allclose(shares[:, -1], np.isfinite(costs).mean(axis=1))
     assert shares[:, 0].sum() >= np.isfinite(costs).any(axis=0).mean() - 1e-9
-
-
-def test_pairs_are_counted_and_two_failures_are_a_tie():
-    assert compare_pairs(np.array([1, 5, INF, INF, 3]), np.array([2, 4, 9, INF, 3])) == Paired(1, 2, 2)
-
-
-@pytest.mark.parametrize(
-    ("wins", "losses", "expected"),
-    [(8, 0, 2 / 256), (7, 1, 18 / 256), (4, 4, 1.0), (0, 0, 1.0), (0, 5, 2 / 32)],
-)
-def test_sign_test(wins, losses, expected):
-    assert Paired(wins, losses, 3).p_value == pytest.approx(expected)
-    assert Paired(losses, wins, 0).p_value == pytest.approx(expected)

@@ -74,7 +74,7 @@ def test_budgets_of_some_tuners(hotlap):
         (["--budget", "many"], "--budget: must be like 200,cma_es=1000, not 'many'"),
         (["--budget", "200,mh=3"], "there is no tuner named 'mh'"),
         (["--budget", "0"], "--budget: must be from 1"),
-        (["--seeds", "0"], "--seeds: must be at least 1, not 0"),
+        (["--seeds", "0"], "--seeds: must be from 1 to 100000, not 0"),
         (["--jobs", "-1"], "--jobs: must not be negative"),
         (["--out", "straight.toml"], "straight.toml: is a file, not the folder of a comparison"),
         (["--on", "mars"], "there is no world named 'mars'"),
@@ -85,6 +85,16 @@ def test_bad_input_is_one_line(hotlap, options, message):
     assert ran.code == 2
     assert message in ran.err.splitlines()[-1]
     assert ran.out == ""
+
+
+def test_races_that_a_table_could_not_tell_apart_are_refused(hotlap, here):
+    race = (here / "straight.toml").read_text(encoding="utf-8")
+    (here / "again.toml").write_text(race, encoding="utf-8")
+    ran = hotlap("compare", "straight.toml", "again.toml", *ASKED[2:])
+    assert ran.code == 2
+    assert ran.err.splitlines()[-1].startswith("hotlap: straight.toml: name: 'straight' is the name of another race too")
+    twice = hotlap("compare", "straight.toml", "straight.toml", *ASKED[2:], "--json")
+    assert twice.document["races"] == ["straight"]
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])

@@ -31,7 +31,7 @@ def opened(name, seed=3):
 
 
 def gradient_of(tuner, scores=slanted):
-    tuner._values = np.log1p(scores(tuner._decode(tuner._points())).dense).tolist()
+    tuner._values = np.log1p(scores(tuner._offsets.decode(tuner._points())).dense).tolist()
     return tuner._gradient()
 
 
@@ -97,7 +97,7 @@ def test_at_a_bound_the_place_steps_back_so_that_pairs_stay_whole(preset):
     points = tuner._points()
     np.testing.assert_allclose((points[::2] + points[1::2]) / 2, np.broadcast_to(tuner._place, points[::2].shape))
     np.testing.assert_allclose(np.abs(points[::2] - points[1::2]).max(axis=1), 0.6)
-    assert SPACE.contains(tuner._decode(points))
+    assert SPACE.contains(tuner._offsets.decode(points))
 
 
 def test_a_box_narrower_than_a_pair_is_searched_within():
@@ -159,7 +159,7 @@ def test_it_descends(preset):
 
     tuner = start(f"gradient:{preset}")
     play(tuner, 400, n=8, scores=bowl)
-    before, after = bowl(SPACE.first_guess(SEGMENTS)[None]).cost[0], bowl(tuner._decode(tuner._place[None])).cost[0]
+    before, after = bowl(SPACE.first_guess(SEGMENTS)[None]).cost[0], bowl(tuner._offsets.decode(tuner._place[None])).cost[0]
     assert after < 0.3 * before
 
 

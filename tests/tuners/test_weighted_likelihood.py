@@ -22,7 +22,7 @@ def told(tuner, costs):
 
 def distance(tuner):
     """From the mean of the policy to the bottom of the contract's bowl, which lies at the default / 1.5."""
-    return np.linalg.norm(np.log(tuner._decode(tuner._policy.mean[None])[0] / SPACE.default * 1.5))
+    return np.linalg.norm(np.log(tuner._offsets.decode(tuner._policy.mean[None])[0] / SPACE.default * 1.5))
 
 
 def test_weights_are_exponential_in_the_reward_between_the_worst_and_the_best():

@@ -24,8 +24,6 @@ from hotlap.tuners.tuner import Tuner
 from hotlap.tuning import Batch, Tuning, TuningSettings, course_for, tune_together
 from hotlap.worlds.built_in import BuiltIn
 
-VALIDATION = 50  # flights of a run's result
-
 
 @dataclass(frozen=True)
 class Cell:

@@ -20,40 +20,62 @@ class RunsFile:
 
     Attributes:
         done: what was flown so far.
+
+    Raises:
+        StudyError: the file cannot be read.
     """
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / FILE
         self.done: dict[tuple[str, int], Run] = {}
-        text = self.path.read_text(encoding="utf-8") if self.path.exists() else ""
-        self._whole = text.rpartition("\n")[0]  # what is behind the last line break was being written when the power went
-        for number, line in enumerate(self._whole.splitlines(), 1):
-            try:
-                plain = json.loads(line)
-                run = Run.load(plain["run"])
-                self.done[plain["key"], run.seed] = run
-            except (ValueError, KeyError, TypeError):
-                raise StudyError(str(self.path), f"line {number}", "is damaged; delete the line, and it is flown again") from None
+        self._size = self._read()
 
+    @classmethod
     @contextmanager
-    def opened(self) -> Iterator[RunsFile]:
-        """Hold the folder, to write.
+    def opened(cls, folder: Path) -> Iterator[RunsFile]:
+        """Hold a folder, made if there is none, to write.
 
         Raises:
             StudyError: it cannot be used, or another process holds it.
         """
-        lock = hold(self.path.parent)
+        lock = hold(folder)
         try:
-            if self.path.exists():
-                os.truncate(self.path, len((self._whole + "\n").encode()) if self._whole else 0)
-            with self.path.open("a", encoding="utf-8") as self._file:
-                yield self
+            runs = cls(folder)
+            if runs.path.exists():
+                os.truncate(runs.path, runs._size)
+            yield runs
         finally:
             os.close(lock)
 
     def add(self, key: str, run: Run) -> None:
-        """Keep a run."""
-        self._file.write(json.dumps({"key": key, "run": run.dump()}, allow_nan=False) + "\n")
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        """Keep a run.
+
+        Raises:
+            StudyError: there is no room; what was kept before stays.
+        """
+        line = json.dumps({"key": key, "run": run.dump()}, allow_nan=False) + "\n"
+        try:
+            with self.path.open("ab") as file:
+                file.write(line.encode())
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise StudyError(str(self.path), "", f"cannot be written ({error.strerror}); the runs so far are kept") from None
         self.done[key, run.seed] = run
+
+    def _read(self) -> int:
+        """Read what there is; the size of its whole lines: what is behind them was being written when the power went."""
+        try:
+            whole = self.path.read_bytes().rpartition(b"\n")[0]
+        except FileNotFoundError:
+            return 0
+        except OSError as error:
+            raise StudyError(str(self.path), "", f"cannot be read: {error.strerror}") from None
+        for number, line in enumerate(whole.splitlines(), 1):
+            try:
+                plain = json.loads(line)
+                run = Run.load(plain["run"])
+                self.done[plain["key"], run.seed] = run
+            except (ValueError, KeyError, TypeError, AttributeError):
+                raise StudyError(str(self.path), f"line {number}", "is damaged; delete the line, and it is flown again") from None
+        return len(whole) + 1 if whole else 0

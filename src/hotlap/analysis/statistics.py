@@ -1,4 +1,4 @@
-"""Statistics of benchmarks: quantiles of runs that may not have ended, intervals by resampling, profiles, pairs.
+"""Statistics of benchmarks: quantiles of runs that may not have ended, intervals by resampling, profiles.
 
 A run that did not reach its goal has an infinite cost: it is censored, not left out.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,36 +87,3 @@ def performance_profile(ratios: Floats, factors: Floats) -> Floats:
         Shape (S, F).
     """
     return (ratios[:, :, None] <= factors).mean(axis=1)
-
-
-@dataclass(frozen=True)
-class Paired:
-    """How often one of two was better under the same conditions.
-
-    Attributes:
-        wins: pairs in which the first was better.
-        losses: pairs in which the second was.
-        ties: pairs without a difference.
-    """
-
-    wins: int
-    losses: int
-    ties: int
-
-    @property
-    def p_value(self) -> float:
-        """Of the two-sided sign test: chance of a split at least as uneven if both were alike; ties say nothing."""
-        decided, fewer = self.wins + self.losses, min(self.wins, self.losses)
-        tail = sum(math.comb(decided, k) for k in range(fewer + 1)) / 2**decided
-        return min(1.0, 2 * tail)
-
-
-def compare_pairs(first: Floats, second: Floats) -> Paired:
-    """Count who was better.
-
-    Args:
-        first: shape (n,), less is better; may be infinite.
-        second: shape (n,), under the same conditions.
-    """
-    wins, losses = int((first < second).sum()), int((first > second).sum())
-    return Paired(wins, losses, len(first) - wins - losses)

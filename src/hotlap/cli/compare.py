@@ -27,6 +27,7 @@ from hotlap.segmentation import Rule
 from hotlap.tuning import TuningSettings
 
 TABLE = "table.md"
+MOST_SEEDS = 100_000
 
 
 def run(options: Namespace) -> int:
@@ -36,7 +37,7 @@ def run(options: Namespace) -> int:
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of a comparison")
     with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'compare', *options.arguments])}"):
-        with RunsFile(folder).opened() as kept:
+        with RunsFile.opened(folder) as kept:
             _fly(cells, kept, options)
         keys = {cell.key: cell for cell in cells}
         runs = [kept.done[key, seed] for key, cell in keys.items() for seed in cell.seeds]
@@ -62,8 +63,8 @@ def _cells(options: Namespace) -> list[Cell]:
     """Every tuner on every race; checks all that was asked for, and plans."""
     names = [tuners.build(name).name for name in options.tuners.split(",")]
     budgets = _budgets(options.budget)
-    if options.seeds < 1:
-        raise InputError("--seeds", "", f"must be at least 1, not {options.seeds}")
+    if not 1 <= options.seeds <= MOST_SEEDS:
+        raise InputError("--seeds", "", f"must be from 1 to {MOST_SEEDS}, not {options.seeds}")
     if options.jobs < 0:
         raise InputError("--jobs", "", f"must not be negative, not {options.jobs}")
     world = worlds.build(options.on)
@@ -73,7 +74,10 @@ def _cells(options: Namespace) -> list[Cell]:
     same = {"goal": parse_goal(options.goal), "reliability": 0.0, **numbers}
     settings = {name: TuningSettings(budget=budget_of(name, budgets), **same) for name in names}
     seeds, rule = tuple(range(options.seeds)), Rule(options.segments)
-    races = [_race(name, options) for name in options.races]
+    races = [_race(name, options) for name in dict.fromkeys(options.races)]
+    for race, name in zip(races, dict.fromkeys(options.races), strict=True):
+        if sum(other.name == race.name for other in races) > 1:
+            raise InputError(name, "name", f"'{race.name}' is the name of another race too, and a table could not tell them apart")
     for race in races:
         with working(f"planning {race.name}"):
             course = prepare(race, segments=rule)

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
+from hotlap.tuners.offsets import Offsets
 
 Floats = NDArray[np.float64]
 
@@ -99,9 +100,8 @@ class Gradient:
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin at the first guess."""
-        self._space, self._rng, self._first = space, rng, space.clip(first_guess)
-        low, high = (np.log(bound / self._first) / space.log_step for bound in (space.low, space.high))
-        self._low, self._high = (low.min(axis=0), high.max(axis=0)) if self.settings.tied else (low.ravel(), high.ravel())
+        self._rng, self._offsets = rng, Offsets(space, space.clip(first_guess), self.settings.tied)
+        self._low, self._high = self._offsets.bounds
         self._place = np.zeros(len(self._low))  # an offset from the first guess
         self._momentum, self._square = np.zeros_like(self._place), np.zeros_like(self._place)
         self._directions = np.zeros((0, len(self._place)))  # of the step under way; none while the first guess is flown
@@ -111,7 +111,7 @@ class Gradient:
     def ask(self, n: int) -> Parameters:
         """What is left of a step, at most n, shape (1 to n, S, K); the same until it is told."""
         told = len(self._values)
-        return self._decode(self._points()[told : told + n])
+        return self._offsets.decode(self._points()[told : told + n])
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  they were asked for in order
         """Collect differences; when they are whole, move. True where a flight was the best so far."""
@@ -190,11 +190,6 @@ class Gradient:
         self._square = self._square + (gradient**2 - self._square) / k
         typical = math.sqrt(float(self._square.mean()))  # so that a_0 moves a parameter by `step`; of all gradients, not the first only
         return self.settings.gain(self._steps) * gradient / typical if typical > 0 else gradient
-
-    def _decode(self, offsets: Floats) -> Parameters:
-        """Parameters at offsets, shape (count, d), from the first guess, shape (count, S, K)."""
-        steps = offsets.reshape(len(offsets), -1, self._space.size) * self._space.log_step
-        return self._space.clip(self._first * np.exp(steps))
 
 
 def _plain(value: float) -> float | None:

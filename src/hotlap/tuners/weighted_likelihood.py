@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace, reflect
 from hotlap.records import Scores
+from hotlap.tuners.offsets import Offsets
 
 Floats = NDArray[np.float64]
 
@@ -113,9 +114,8 @@ class WeightedLikelihood:
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin around the first guess."""
-        self._space, self._rng, self._first = space, rng, space.clip(first_guess)
-        low, high = (np.log(bound / self._first) / space.log_step for bound in (space.low, space.high))
-        self._low, self._high = (low.min(axis=0), high.max(axis=0)) if self.settings.tied else (low.ravel(), high.ravel())
+        self._rng, self._offsets = rng, Offsets(space, space.clip(first_guess), self.settings.tied)
+        self._low, self._high = self._offsets.bounds
         size = len(self._low)
         self._policy = Policy(np.zeros(size), self.settings.sigma**2 * np.eye(size))
         self._best, self._costs = math.inf, [0.0][:0]
@@ -125,7 +125,7 @@ class WeightedLikelihood:
     def ask(self, n: int) -> Parameters:
         """What is left of an iteration, at most n, shape (1 to n, S, K); the same until it is told."""
         told = len(self._costs)
-        return self._decode(self._samples[told : told + n])
+        return self._offsets.decode(self._samples[told : told + n])
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  they were asked for in order
         """Collect an iteration; when it is whole, fit the policy. True where a flight was the best so far."""
@@ -168,11 +168,6 @@ class WeightedLikelihood:
     def _draw(self) -> Floats:
         """Samples, mirrored at the bounds, shape (N, d)."""
         return reflect(self._policy.draw(self.settings.samples, self._rng), self._low, self._high)
-
-    def _decode(self, offsets: Floats) -> Parameters:
-        """Parameters at offsets, shape (count, d), from the first guess, shape (count, S, K)."""
-        steps = offsets.reshape(len(offsets), -1, self._space.size) * self._space.log_step
-        return self._space.clip(self._first * np.exp(steps))
 
 
 def _plain(cost: float) -> float | None:
