@@ -95,7 +95,7 @@ def _tune(parser: Parser) -> None:
     _world(parser)
     add("--randomise", type=fraction, default=0.0, metavar="R", help="fly in worlds that differ from the vehicle by up to this share")
     add("--worlds", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
-    add("--confirm", type=whole, default=4, metavar="N", help="re-flights that a candidate must pass (default: 4)")
+    add("--confirm", type=whole, default=10, metavar="N", help="re-flights that a candidate must pass (default: 10; the paper's: 4)")
     add("--validation", type=whole, default=200, metavar="N", help="flights of the result with fresh noise, 0 for none (default: 200)")
     add("--reliability", type=fraction, default=0.8, metavar="R", help="least share of them to succeed, or go on (default: 0.8; 0: any)")
     add("--batch", type=whole, default=8, metavar="N", help="most candidates to fly at once, for tuners that can (default: 8)")
