@@ -9,13 +9,14 @@ import sqlite3
 import subprocess
 import sys
 from dataclasses import replace
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fake_world import FakeWorld, make_course
-from hotlap.configuration import Configuration, load_configuration, pack_reference, unpack_reference
+from hotlap.configuration import LATER, Configuration, compared, load_configuration, pack_reference, unpack_reference
 from hotlap.database import FILE
 from hotlap.errors import InputError, StudyError
 from hotlap.goal import parse_goal
@@ -230,6 +231,14 @@ def test_another_configuration_is_refused_naming_the_difference_and_nothing_is_c
         Study.open(tmp_path, other)
     assert "\n" not in str(refused.value)
     assert content(tmp_path) == before
+
+
+def test_a_study_from_before_a_key_came_is_the_same_study():
+    plain = configure().dump()
+    for key in LATER:
+        *tables, name = key.split(".")
+        del reduce(lambda table, part: table[part], tables, plain)[name]
+    assert compared(plain) == compared(configure().dump())
 
 
 def test_fingerprints_tell_studies_apart_and_budgets_not():

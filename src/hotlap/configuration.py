@@ -22,6 +22,7 @@ from hotlap.segmentation import SegmentClass, Segments
 from hotlap.tuning import TuningSettings
 
 MAY_DIFFER = ("budget", "provenance")  # a study may be given a larger budget; where numbers come from does not change a flight
+LATER = {"race.controller.handover": "time", "race.controller.handover_distance": 6.0}  # keys that older studies lack: what they flew with
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
 def compared(plain: Mapping[str, Any]) -> dict[str, Any]:
     """Dotted keys and values of a dump, without those that may differ between runs of one study."""
     flat = dict(_flatten(json.loads(json.dumps(plain)), ""))
-    return {key: value for key, value in flat.items() if key.rpartition(".")[2] not in MAY_DIFFER}
+    return {key: value for key, value in flat.items() if key.rpartition(".")[2] not in MAY_DIFFER and LATER.get(key, ...) != value}
 
 
 def first_difference(stored: Mapping[str, Any], asked: Mapping[str, Any]) -> tuple[str, Any, Any] | None:

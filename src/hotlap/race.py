@@ -62,6 +62,19 @@ def _of_kind(values: dict[str, Any], name: str) -> tuple[float, ...]:
     return getattr(TUNABLE[values.get("kind", ControllerKind.MPC)], name)
 
 
+class Handover(StrEnum):
+    """From when on the controller takes the parameters of the next segment.
+
+    TIME: when the reference enters it, for the whole horizon.
+    NODE: each node of the horizon has the weights of the segment that the reference is in at that node; the horizon itself as for TIME.
+    DISTANCE: when the drone comes close to the point at which the reference enters it, for the whole horizon, as in the released code.
+    """
+
+    TIME = "time"
+    NODE = "node"
+    DISTANCE = "distance"
+
+
 class ControllerSettings(Described):
     """Settings of the controller that are not tuned (Eq. 3 of the paper).
 
@@ -77,6 +90,8 @@ class ControllerSettings(Described):
         feed_forward: take the reference's inputs as the inputs to stay close to (else hover).
         predict: predict the state over the model's dead time.
         reference_time: what a predicting controller compares with: the reference when the command acts, or now.
+        handover: from when on it takes the parameters of the next segment.
+        handover_distance: [m] how close is close, for the handover "distance".
         low: least values of what is tuned: Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon; or of what another kind has.
         high: largest values of the same.
         default: first values of the same.
@@ -93,6 +108,8 @@ class ControllerSettings(Described):
     feed_forward: bool = True
     predict: bool = True
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
+    handover: Handover = Handover.TIME
+    handover_distance: Positive = 6.0
     low: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "low"))
     high: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "high"))
     default: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "default"))

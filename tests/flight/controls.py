@@ -9,7 +9,8 @@ import numpy as np
 from numba import njit
 
 from hotlap.flight.batch import prepare, settings_of
-from hotlap.flight.control import FRESH, aim, begin_control, control
+from hotlap.flight.control import aim, begin_control, control
+from hotlap.flight.handover import FRESH
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.lanes import as_numbers, borrow
 from hotlap.flight.mpc import Mpc, allocate_mpc
@@ -36,7 +37,7 @@ def settings(**changes: Any) -> Settings:
 def allocate(nodes: int, commands: int = 3) -> tuple[Mpc, Pilot]:
     """Memory with the weights, bounds and spacing that stay."""
     mpc, pilot = allocate_mpc(nodes, 1, np.float64), allocate_pilot(commands, 1, np.float64)
-    mpc.weights[:, 0], mpc.input_weights[:] = courses.TUNED[:4], 1.0
+    mpc.weights[..., 0], mpc.input_weights[:] = courses.TUNED[:4], 1.0
     mpc.low[:, 0], mpc.high[:, 0] = LOW, HIGH
     mpc.spacing[:], mpc.constants[:] = SPACING, GRAVITY
     return mpc, pilot
@@ -102,7 +103,7 @@ def best_plan(mpc: Mpc, pilot: Pilot) -> tuple[np.ndarray, np.ndarray]:
         for collected, part in zip((As, Bs, defects, bounded), (A, B, defect, near), strict=True):
             collected.append(part)
     errors = np.array([stages.difference(x, r[:10]) for x, r in zip(states, reference, strict=True)])
-    Q, R, near = stages.diagonal(mpc.weights[:, 0]), mpc.input_weights[:, 0], np.array(bounded)
+    Q, R, near = stages.diagonal(mpc.weights[0, :, 0]), mpc.input_weights[:, 0], np.array(bounded)
     steps, deviations = stages.solve_whole(As, Bs, np.array(defects), errors, Q, R, reference[:-1, 10:] - near, low - near, high - near)
     return np.array([stages.moved(x, d) for x, d in zip(states, deviations, strict=True)]), near + steps
 

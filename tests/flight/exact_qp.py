@@ -15,7 +15,8 @@ from numba import njit
 from hotlap import dynamics
 from hotlap.course import Course
 from hotlap.flight.batch import fly_batch, prepare, settings_of
-from hotlap.flight.control import FRESH, aim, begin_control, begin_plan
+from hotlap.flight.control import aim, begin_control, begin_plan
+from hotlap.flight.handover import FRESH
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.mpc import Mpc, allocate_mpc, solve
 from hotlap.flight.numbers import Numbers

@@ -13,6 +13,7 @@ from hotlap.files import load_race
 from hotlap.flight.batch import fly_batch
 from hotlap.flight.numbers import Numbers
 from hotlap.preparation import prepare
+from hotlap.race import Handover
 from hotlap.records import End, Flights
 from hotlap.segmentation import SegmentClass, Segments
 from hotlap.truth import TRUTH, truth_of
@@ -125,6 +126,20 @@ def test_weights_of_a_segment_act_from_its_beginning():
     logs = fly(make_course(), asked, seeds=[0, 0], log=[0, 1]).logs
     differ = np.flatnonzero(np.any(logs[0].commands != logs[1].commands, axis=1))
     assert logs[0].times[differ[0]] == pytest.approx(BORDER)
+
+
+def test_weights_for_each_node_change_nothing_where_all_segments_are_alike():
+    by_node, by_time = (make_course(noise=NOISE, controller={"handover": handover}) for handover in (Handover.NODE, Handover.TIME))
+    assert_same(fly(by_node, 8), slice(None), fly(by_time, 8), slice(None))
+
+
+@pytest.mark.parametrize("handover", [Handover.NODE, Handover.DISTANCE])
+def test_the_next_segment_may_act_before_its_beginning(handover):
+    asked = parameters(2)
+    asked[1, 1, :4] *= 0.3
+    logs = fly(make_course(controller={"handover": handover, "handover_distance": 3.0}), asked, seeds=[0, 0], log=[0, 1]).logs
+    differ = np.flatnonzero(np.any(logs[0].commands != logs[1].commands, axis=1))
+    assert logs[0].times[differ[0]] < BORDER
 
 
 def test_a_log_is_the_flight_at_every_control_step():

@@ -13,7 +13,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from hotlap.flight.batch import prepare, settings_of
-from hotlap.flight.control import FRESH
+from hotlap.flight.handover import FRESH, Mode
 from hotlap.flight.job import Job
 from hotlap.flight.numbers import Numbers
 
@@ -44,7 +44,7 @@ def test_the_first_plan_is_the_reference():
     times = 0.4 + spacing * np.arange(6)
     assert_allclose(mpc.reference[:, :3, 0], courses.make_reference().position_at(times), atol=1e-12)
     assert_array_equal(mpc.X[..., 0], mpc.reference[:, :10, 0])
-    assert_array_equal(mpc.weights[:, 0], courses.TUNED[:4])
+    assert_array_equal(mpc.weights[..., 0], np.tile(courses.TUNED[:4], (6, 1)))
     assert mpc.spacing[0, 0] == pytest.approx(spacing)
     assert pilot.shift[0, 0] == 0.0
 
@@ -66,11 +66,38 @@ def test_another_segment_has_its_own_weights_and_spacing():
     controls.aim_step(job, controls.settings(), mpc, pilot, FRESH, courses.BORDER - PERIOD, PERIOD)
     plan = mpc.X[..., 0].copy()
     assert controls.aim_step(job, controls.settings(), mpc, pilot, 0, courses.BORDER, PERIOD) == 1
-    assert_array_equal(mpc.weights[:, 0], other[:4])
+    assert_array_equal(mpc.weights[..., 0], np.tile(other[:4], (6, 1)))
     assert mpc.spacing[0, 0] == pytest.approx(0.05)
     assert pilot.shift[0, 0] == 0.0
     times = PERIOD + 0.05 * np.arange(6)
     assert_allclose(mpc.X[:, 0, 0], np.interp(times, 0.15 * np.arange(6), plan[:, 0]), atol=1e-12)
+
+
+def test_each_node_may_have_the_weights_of_its_own_segment():
+    other = (100.0, 200.0, 30.0, 4.0, 2.0)
+    job, (mpc, pilot) = make_job(second=other), controls.allocate(5)
+    by_node = controls.settings(handover=Mode.NODE)
+    assert controls.aim_step(job, by_node, mpc, pilot, FRESH, courses.BORDER - 0.4, PERIOD) == 0
+    assert mpc.spacing[0, 0] == pytest.approx(0.15)  # of the segment that the first node is in
+    assert_array_equal(mpc.weights[..., 0], [courses.TUNED[:4]] * 3 + [other[:4]] * 3)
+    controls.aim_step(job, by_node, mpc, pilot, 0, courses.BORDER - 0.25, 0.15)
+    assert_array_equal(mpc.weights[..., 0], [courses.TUNED[:4]] * 2 + [other[:4]] * 4)
+
+
+def test_the_drone_may_have_to_come_close_before_the_next_segment_begins():
+    other = (100.0, 200.0, 30.0, 4.0, 2.0)
+    job, (mpc, pilot) = make_job(second=other), controls.allocate(5)
+    near = controls.settings(handover=Mode.DISTANCE, handover_distance=1.0)
+    border = courses.make_reference().position_at(np.array([courses.BORDER]))[0]
+    pilot.seen[:3, 0] = border
+    assert controls.aim_step(job, near, mpc, pilot, FRESH, 0.0, PERIOD) == 0  # a flight begins with the first
+    pilot.seen[:3, 0] = border + [0.8, 0.0, 0.7]
+    assert controls.aim_step(job, near, mpc, pilot, 0, courses.BORDER + 1.0, PERIOD) == 0
+    pilot.seen[:3, 0] = border + [0.7, 0.0, 0.7]
+    assert controls.aim_step(job, near, mpc, pilot, 0, 0.5, PERIOD) == 1
+    assert_array_equal(mpc.weights[..., 0], np.tile(other[:4], (6, 1)))
+    pilot.seen[:3, 0] = border + 5.0
+    assert controls.aim_step(job, near, mpc, pilot, 1, 0.6, PERIOD) == 1  # and never goes back
 
 
 def test_a_lead_looks_ahead_for_reference_and_segment():

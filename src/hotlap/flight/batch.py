@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from hotlap.controllers import TUNABLE
 from hotlap.course import Course
 from hotlap.errors import HotlapError
+from hotlap.flight.handover import mode_of
 from hotlap.flight.job import LOG_COLUMNS, Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.numbers import Numbers
@@ -97,6 +98,8 @@ def settings_of(race: Race) -> Settings:
         predicted_rest=0.0,
         feed_forward=controller.feed_forward,
         gravity=believed.gravity,
+        handover=mode_of(controller.handover),
+        handover_distance=controller.handover_distance,
         thrust_noise=noise.thrust,
         rate_noise=noise.rates,
         noise_memory=_memory(controller.period, noise.time),
@@ -140,7 +143,9 @@ def prepare(
     thrust, rates, lateral = controller.input_weights[0], controller.input_weights[1], controller.input_weights[2]
     job = Job(
         table=np.ascontiguousarray(reference.table, dtype=numbers.dtype),
-        row_segments=course.segments.at(reference.times),
+        row_pieces=course.segments.piece_at(reference.times),
+        piece_segments=np.array([piece.segment for piece in course.segments.pieces]),
+        piece_points=np.ascontiguousarray(reference.position_at(course.segments.starts)),
         parameters=spaced,
         seeds=np.ascontiguousarray(seeds, dtype=np.int64),
         input_weights=np.array([thrust, rates, rates, lateral]),

@@ -9,14 +9,12 @@ from typing import Any
 
 from numba import njit
 
+from hotlap.flight.handover import BY_NODE, FRESH, piece_at, piece_flown
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.mpc import Mpc, solve
 from hotlap.flight.numbers import INLINE
 from hotlap.flight.pilot import Pilot, issue, predict
 from hotlap.flight.tracking import hover_inputs, plan_as_reference, read_reference, respace_plan
-
-FRESH = -1  # segment of a lane that has not been controlled yet
-
 
 @njit(**INLINE)
 def begin_control(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
@@ -37,32 +35,38 @@ def aim(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, k: int, flight: int, befo
         pilot: likewise.
         k: the lane.
         flight: whose parameters.
-        before: segment of the step before, or FRESH.
+        before: piece of the step before, or FRESH.
         time: [s] of the flight.
         elapsed: [s] since the step before.
 
     Returns:
-        The segment that the weights are of.
+        The piece that the parameters belong to.
     """
     ahead = time + s.lead
-    segment = job.row_segments[min(int(ahead / s.table_period + 1e-6), len(job.row_segments) - 1)]
-    parameters = job.parameters[flight, segment]
-    spacing = parameters[4]
+    piece = piece_flown(job, s, pilot.seen, k, before, ahead)
+    segment = job.piece_segments[piece]
+    spacing = job.parameters[flight, segment, 4]
     read_reference(mpc, k, job.table, s.table_period, ahead, spacing)
     if not s.feed_forward:
         hover_inputs(mpc, k, s.gravity)
     pilot.shift[0, k] = 0
-    if before == segment:
+    if before != FRESH and job.piece_segments[before] == segment:
         pilot.shift[0, k] = min(elapsed / spacing, 1.0)
     else:
         if before == FRESH:
             plan_as_reference(mpc, k)
         else:
-            respace_plan(mpc, k, job.parameters[flight, before, 4], spacing, elapsed)
-        for n in range(4):
-            mpc.weights[n, k] = parameters[n]
+            respace_plan(mpc, k, job.parameters[flight, job.piece_segments[before], 4], spacing, elapsed)
+        for n in range(len(mpc.weights)):
+            for i in range(4):
+                mpc.weights[n, i, k] = job.parameters[flight, segment, i]
         mpc.spacing[0, k] = spacing
-    return segment
+    if s.handover == BY_NODE:
+        for n in range(len(mpc.weights)):
+            segment = job.piece_segments[piece_at(job.row_pieces, s.table_period, ahead + n * spacing)]
+            for i in range(4):
+                mpc.weights[n, i, k] = job.parameters[flight, segment, i]
+    return piece
 
 
 @njit(**INLINE)

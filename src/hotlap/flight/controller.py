@@ -17,7 +17,7 @@ from hotlap.controllers import ControllerKind
 from hotlap.course import Course
 from hotlap.errors import HotlapError
 from hotlap.flight.batch import predicting, prepare, settings_of
-from hotlap.flight.control import FRESH
+from hotlap.flight.handover import FRESH
 from hotlap.flight.doors import DOORS
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.kernel_cache import keep
@@ -55,7 +55,7 @@ class Controller:
 
     def reset(self) -> None:
         """Forget the plan and the commands on their way: the drone has been hovering."""
-        self._segment, self._time = FRESH, -np.inf
+        self._piece, self._time = FRESH, -np.inf
         self._begin(self._job, self._settings, self._memory, self._pilot)
 
     def command(self, time: float, state: NDArray[np.float64], age: float = 0.0) -> NDArray[np.float64]:
@@ -85,7 +85,7 @@ class Controller:
         seen[3:7] *= np.sign(seen[3:7] @ self._attitude(time)) or 1.0  # q and -q are one attitude; the nearer one is meant
         elapsed = min(time - self._time, 1e3)
         settings = self._settings if age == 0 else predicting(self._settings, self._known + age)
-        self._segment = self._step(self._job, settings, self._memory, self._pilot, self._segment, float(time), float(elapsed))
+        self._piece = self._step(self._job, settings, self._memory, self._pilot, self._piece, float(time), float(elapsed))
         self._time = time
         return self._pilot.history[0, :, 0].copy()
 
@@ -104,8 +104,8 @@ def _steps(kind: ControllerKind) -> tuple[Any, Any]:
         begin(job, s, memory, 0)
         begin_pilot(s, pilot, 0)
 
-    def step_one(job: Job, s: Settings, memory: Any, pilot: Pilot, segment: int, time: float, elapsed: float) -> int:
-        now = aim(job, s, memory, pilot, 0, 0, segment, time, elapsed)
+    def step_one(job: Job, s: Settings, memory: Any, pilot: Pilot, piece: int, time: float, elapsed: float) -> int:
+        now = aim(job, s, memory, pilot, 0, 0, piece, time, elapsed)
         control(s, as_numbers(memory, 0), as_numbers(pilot, 0))
         return now
 

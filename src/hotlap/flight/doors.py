@@ -18,7 +18,7 @@ class Door(NamedTuple):
     Attributes:
         allocate: (nodes, lanes, kind of float) -> raw memory.
         begin: (job, settings, raw memory, lane): sets a lane up for a new flight.
-        aim: (job, settings, raw memory, raw pilot, lane, flight, segment before, time, elapsed) -> segment: what a lane is asked to do.
+        aim: (job, settings, raw memory, raw pilot, lane, flight, piece before, time, elapsed) -> piece: what a lane is asked to do.
         control: (settings, memory, pilot): a control step on numbers, from `pilot.seen` to `pilot.history[0]`.
     """
 

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from hotlap.flight.compile import compiled
+from hotlap.flight.handover import piece_flown
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.numbers import INLINE, aligned_zeros
 from hotlap.flight.pilot import Pilot, issue, predict
@@ -114,7 +115,7 @@ def begin_geometric(job: Job, s: Settings, g: Geometric, k: int) -> None:
 def aim_geometric(job: Job, s: Settings, g: Geometric, pilot: Pilot, k: int, flight: int, before: int, time: float, elapsed: float) -> int:  # noqa: ARG001
     """Reference and gains of a lane's control step; as `control.aim`."""
     ahead = time + s.lead
-    segment = job.row_segments[min(int(ahead / s.table_period + 1e-6), len(job.row_segments) - 1)]
+    piece = piece_flown(job, s, pilot.seen, k, before, ahead)
     read_reference(g, k, job.table, s.table_period, ahead, 0.0)
     if not s.feed_forward:
         hover_inputs(g, k, s.gravity)
@@ -122,8 +123,8 @@ def aim_geometric(job: Job, s: Settings, g: Geometric, pilot: Pilot, k: int, fli
     for i in range(3):
         g.acceleration[i, k] = (job.table[row + 1, 7 + i] - job.table[row, 7 + i]) / s.table_period
     for n in range(GAINS):
-        g.gains[n, k] = job.parameters[flight, segment, n]
-    return segment
+        g.gains[n, k] = job.parameters[flight, job.piece_segments[piece], n]
+    return piece
 
 
 @njit(**INLINE)

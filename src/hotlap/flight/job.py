@@ -21,6 +21,8 @@ class Settings(NamedTuple):
         predicted_periods, predicted_rest: whole periods, and the rest [s], over which it predicts the state.
         feed_forward: the reference's inputs, else hover.
         gravity: [m/s^2] of the controller's model.
+        handover: to the parameters of the next segment, a `handover.Mode`.
+        handover_distance: [m].
         thrust_noise, rate_noise, noise_memory: actuation; the memory is that of one period.
         thrust_bias, position, velocity, attitude: of a flight's beginning.
         measured_position, measured_velocity, measured_attitude: what the controller sees.
@@ -39,6 +41,8 @@ class Settings(NamedTuple):
     predicted_rest: float
     feed_forward: bool
     gravity: float
+    handover: int
+    handover_distance: float
     thrust_noise: float
     rate_noise: float
     noise_memory: float
@@ -58,7 +62,9 @@ class Job(NamedTuple):
 
     Attributes:
         table: (rows, 14) reference: p q v, thrust per mass, rates; its kind of float is that of the flights.
-        row_segments: (rows,) segment at each row.
+        row_pieces: (rows,) piece at each row.
+        piece_segments: (P,) segment that each piece belongs to.
+        piece_points: (P, 3) [m] where each piece begins.
         parameters: (B, S, K) as the controller takes them; of the MPC Q of p_xy, p_z, attitude, velocity and the nodes' spacing [s].
         seeds: (B,).
         input_weights: (4,) R.
@@ -73,7 +79,9 @@ class Job(NamedTuple):
     """
 
     table: Any
-    row_segments: Any
+    row_pieces: Any
+    piece_segments: Any
+    piece_points: Any
     parameters: Any
     seeds: Any
     input_weights: Any

@@ -48,7 +48,7 @@ class Mpc(NamedTuple):
         X: (N + 1, 10) planned states p q v; X[0] is where the drone is.
         U: (N, 4) planned inputs: thrust per mass, body rates.
         reference: (N + 1, 14) p q v, inputs.
-        weights: (4,) Q of p_xy, p_z, attitude, velocity.
+        weights: (N + 1, 4) Q of p_xy, p_z, attitude, velocity.
         input_weights: (4,) R.
         spacing: (1,) [s] time between nodes.
         low, high: (4,) bounds of the inputs.
@@ -100,7 +100,7 @@ def allocate_mpc(
         scratch: numbers that the backward stage keeps.
     """
     sizes = {
-        "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (4,), "input_weights": (4,), "spacing": (1,),
+        "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (nodes + 1, 4), "input_weights": (4,), "spacing": (1,),
         "low": (4,), "high": (4,), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9), "change": (2, 9),
         "jacobian": (nodes, jacobian), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE), "slope": (2, 9),
         "scratch": (scratch,), "is_open": (1,), "unrest": (2,),
@@ -122,11 +122,11 @@ def solver(linearise: Callable[..., None], backward: Callable[..., None], forwar
     def sweep(m: Mpc) -> None:
         nodes = len(m.U)
         zero = number(m.X[0, 0], 0.0)
-        terminal(m.X[nodes], m.deviation[nodes], m.reference[nodes], m.weights, m.value[0], m.slope[0])
+        terminal(m.X[nodes], m.deviation[nodes], m.reference[nodes], m.weights[nodes], m.value[0], m.slope[0])
         for n in range(nodes - 1, -1, -1):
             now = (nodes - 1 - n) % 2
             backward(
-                m.value[now], m.slope[now], m.jacobian[n], m.X[n], m.deviation[n], m.inputs[n], m.reference[n], m.weights,
+                m.value[now], m.slope[now], m.jacobian[n], m.X[n], m.deviation[n], m.inputs[n], m.reference[n], m.weights[n],
                 m.input_weights, m.spacing, m.low, m.high, m.value[1 - now], m.slope[1 - now], m.gains[n], m.feed[n], m.scratch,
             )  # fmt: skip
         for i in range(9):

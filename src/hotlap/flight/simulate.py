@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hotlap.controllers import ControllerKind
 from hotlap.flight import noise
-from hotlap.flight.control import FRESH
+from hotlap.flight.handover import FRESH
 from hotlap.flight.doors import DOORS
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, judge
@@ -36,13 +36,13 @@ class Lane(NamedTuple):
     Attributes:
         flight: (lanes,) index in the batch, or IDLE.
         tick: (lanes,) control steps since its start.
-        segment: (lanes,) that its weights are of.
+        piece: (lanes,) of the reference that its parameters belong to.
         chance: (7, lanes) correlated noise: thrust, rates, wind.
     """
 
     flight: Any
     tick: Any
-    segment: Any
+    piece: Any
     chance: Any
 
 
@@ -56,8 +56,8 @@ def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settin
     commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods) + 2
     controller = DOORS[kind].allocate(settings.nodes, lanes, real)
     memory = controller, allocate_pilot(commands, lanes, real), allocate_craft(lanes, real)
-    flight, tick, segment = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
-    lane = Lane(flight, tick, segment, chance=np.zeros((7, lanes)))
+    flight, tick, piece = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
+    lane = Lane(flight, tick, piece, chance=np.zeros((7, lanes)))
     worker(numbers, kind)(job, settings, gates, verdicts, *memory, lane, effort)
     return effort
 
@@ -91,7 +91,7 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
                 if lane.flight[k] != IDLE:
                     if noisy:
                         _mismeasure(job, s, pilot, lane, k)
-                    lane.segment[k] = aim(job, s, memory, pilot, k, lane.flight[k], lane.segment[k], lane.tick[k] * s.period, s.period)
+                    lane.piece[k] = aim(job, s, memory, pilot, k, lane.flight[k], lane.piece[k], lane.tick[k] * s.period, s.period)
             control(s, m, p)
             for k in range(lanes):
                 if lane.flight[k] != IDLE:
@@ -112,7 +112,7 @@ def _take_flight(job: Job, s: Settings, pilot: Pilot, craft: Craft, lane: Lane, 
     if i >= len(job.seeds):
         lane.flight[k] = IDLE
         return 0
-    lane.flight[k], lane.tick[k], lane.segment[k] = i, 0, FRESH
+    lane.flight[k], lane.tick[k], lane.piece[k] = i, 0, FRESH
     vehicle, seed = min(i, len(job.vehicles) - 1), job.seeds[i]
     for n in range(len(craft.vehicle)):
         craft.vehicle[n, k] = job.vehicles[vehicle, n]
