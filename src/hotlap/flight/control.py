@@ -16,6 +16,7 @@ from hotlap.flight.numbers import INLINE
 from hotlap.flight.pilot import Pilot, issue, predict
 from hotlap.flight.tracking import hover_inputs, plan_as_reference, read_reference, respace_plan
 
+
 @njit(**INLINE)
 def begin_control(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
     """Set a lane up for a new flight."""

@@ -17,8 +17,8 @@ from hotlap.controllers import ControllerKind
 from hotlap.course import Course
 from hotlap.errors import HotlapError
 from hotlap.flight.batch import predicting, prepare, settings_of
-from hotlap.flight.handover import FRESH
 from hotlap.flight.doors import DOORS
+from hotlap.flight.handover import FRESH
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers

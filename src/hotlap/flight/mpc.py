@@ -100,8 +100,8 @@ def allocate_mpc(
         scratch: numbers that the backward stage keeps.
     """
     sizes = {
-        "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (nodes + 1, 4), "input_weights": (4,), "spacing": (1,),
-        "low": (4,), "high": (4,), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9), "change": (2, 9),
+        "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (nodes + 1, 4), "input_weights": (4,),
+        "spacing": (1,), "low": (4,), "high": (4,), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9), "change": (2, 9),
         "jacobian": (nodes, jacobian), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE), "slope": (2, 9),
         "scratch": (scratch,), "is_open": (1,), "unrest": (2,),
     }  # fmt: skip

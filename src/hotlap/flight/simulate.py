@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from hotlap.controllers import ControllerKind
 from hotlap.flight import noise
-from hotlap.flight.handover import FRESH
 from hotlap.flight.doors import DOORS
+from hotlap.flight.handover import FRESH
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, judge
 from hotlap.flight.kernel_cache import keep
