@@ -101,9 +101,9 @@ def allocate_mpc(
     """
     sizes = {
         "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (nodes + 1, 4), "input_weights": (4,),
-        "spacing": (1,), "low": (4,), "high": (4,), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9), "change": (2, 9),
-        "jacobian": (nodes, jacobian), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE), "slope": (2, 9),
-        "scratch": (scratch,), "is_open": (1,), "unrest": (2,),
+        "spacing": (1,), "low": (4,), "high": (4,), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9),
+        "change": (2, 9), "jacobian": (nodes, jacobian), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE),
+        "slope": (2, 9), "scratch": (scratch,), "is_open": (1,), "unrest": (2,),
     }  # fmt: skip
     memory = Mpc(**{name: aligned_zeros((*size, lanes), kind) for name, size in sizes.items()})
     for array in (memory.weights, memory.input_weights, memory.spacing, memory.constants, memory.X[:, 3], memory.reference[:, 3]):
