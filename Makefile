@@ -5,6 +5,7 @@
 #   make lint      check style            make types     check types
 #   make bench     measure the flights    make studies   run the tests of minutes
 #   make benchmarks   measure everything  make clean     remove .venv and caches
+#   make first-guess   learn first guesses anew, ten minutes, resumable
 #   make comparison   all tuners on all races, an hour or two, resumable (PART=random for another part, see benchmarks/comparison.py)
 
 CANDIDATES := python3.11 python3.12 python3.13 python3 python
@@ -17,7 +18,7 @@ PART ?= main
 ARGS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: tune test lint types bench benchmarks comparison studies venv docs clean
+.PHONY: tune test lint types bench benchmarks comparison first-guess studies venv docs clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
@@ -44,6 +45,10 @@ benchmarks: $(VENV)/.benchmark
 
 comparison: $(VENV)/.hotlap
 	$(BIN)/python benchmarks/comparison.py $(PART) $(ARGS)
+
+first-guess: $(VENV)/.hotlap
+	$(BIN)/hotlap learn --out build/first-guess $(ARGS)
+	cp build/first-guess/first_guess.json src/hotlap/data/first_guess.json
 
 docs: $(VENV)/.hotlap
 	$(BIN)/python docs/tables.py

@@ -124,12 +124,12 @@ def test_a_run_survives_json_though_it_never_finished_a_lap():
 def test_the_file_keeps_runs_and_drops_the_line_that_was_being_written(tmp_path):
     with RunsFile.opened(tmp_path) as file:
         for seed in range(3):
-            file.add("key", make_run(seed=seed))
+            file.add(("key", seed), make_run(seed=seed))
     path = tmp_path / "runs.jsonl"
     path.write_bytes(path.read_bytes()[:-20])
     with RunsFile.opened(tmp_path) as file:
         assert sorted(file.done) == [("key", 0), ("key", 1)]
-        file.add("key", make_run(seed=2, flights=31))
+        file.add(("key", 2), make_run(seed=2, flights=31))
     assert RunsFile(tmp_path).done["key", 2].flights == 31
     assert len(RunsFile(tmp_path).done) == 3
 
@@ -150,11 +150,11 @@ def test_a_file_that_is_a_folder_is_refused(tmp_path):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk at hand")
 def test_a_full_disk_is_said_and_loses_nothing(tmp_path):
     with RunsFile.opened(tmp_path) as file:
-        file.add("key", make_run())
+        file.add(("key", 0), make_run())
         kept = file.path
         file.path = Path("/dev/full")
-        with pytest.raises(StudyError, match="the runs so far are kept"):
-            file.add("key", make_run(seed=1))
+        with pytest.raises(StudyError, match="what was kept before stays"):
+            file.add(("key", 1), make_run(seed=1))
     assert list(RunsFile(kept.parent).done) == [("key", 0)]
 
 

@@ -14,8 +14,11 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from fake_world import FakeWorld, make_course
+from first_guess.small import DEFAULT, make_race, make_set
 from hotlap import preparation, worlds
+from hotlap.cli import flying
 from hotlap.errors import UnknownNameError
+from hotlap.first_guess import guess
 from hotlap.records import Log
 from hotlap.segmentation import Rule, segment
 
@@ -66,9 +69,12 @@ MODULES = {
     "hotlap.report.pictures": module("pictures", draw=draw),
     "hotlap.report.comparison": module("comparison", draw_comparison=draw_comparison),
 }
+LEARNT = make_set(make_race("straight", "8"), candidates=(DEFAULT,))
 REPLACEMENTS: list[tuple[Any, str, Any]] = [
     (worlds, "build", build),
     (preparation, "plan", lambda *_, **__: make_course().reference),
+    (flying, "shipped", lambda: LEARNT),
+    (guess, "shipped", lambda: LEARNT),
     (preparation, "segment", lambda reference, rule: make_course().segments if rule is Rule.PAPER else segment(reference, rule)),
 ]
 """What to put in place of what flies, plans and draws."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hotlap.cli.output import finite, percent, table
-from hotlap.cli.progress import Lines, Rate, Tally, describe
+from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe
 from hotlap.tuning import Candidate
 from hotlap.validation import Validation
 
@@ -63,9 +63,10 @@ def test_numbers_that_json_does_not_have_become_null():
 
 def test_runs_are_counted_and_said_now_and_then_and_at_the_end(capsys):
     clock = Clock()
-    tally, run = Tally(4, 1, clock), SimpleNamespace(race="drop-20", tuner="cma_es:log", flights=30, validation=50)
+    tally, run = Tally("runs", 4, 1, clock), SimpleNamespace(race="drop-20", tuner="cma_es:log", flights=30, validation=50)
+    flown = Flown(clock)
     for clock.now in (1.0, 6.0, 8.0):
-        tally.say(run)
+        tally.say(flown(run))
     assert capsys.readouterr().err.splitlines() == [
         "3 of 4 runs, now drop-20 by cma_es:log, 26.7 flights/s",
         "4 of 4 runs, now drop-20 by cma_es:log, 30 flights/s",

@@ -14,10 +14,12 @@ import numpy as np
 import pytest
 
 from fake_world import make_course
+from first_guess.small import DEFAULT, GOOD, make_race, make_set
 from hotlap import __version__
 from hotlap.cli import main
 from hotlap.database import FILE
 from hotlap.files import load_parameters, save
+from hotlap.first_guess.training_set import write_training_set
 from hotlap.study import Study
 
 PROGRAM = [sys.executable, str(Path(__file__).parent / "fake_hotlap.py")]
@@ -153,6 +155,32 @@ def test_a_first_guess_is_where_the_search_begins(hotlap, here):
     hotlap(*EASY, "--goal", "none", "--budget", "1", "--first-guess", "first", "--out", "second")
     with Study.read(here / "second") as study:
         np.testing.assert_array_equal(study.flights().parameters[0], load_parameters(here / "first").values)
+
+
+def first_flown(folder):
+    with Study.read(folder) as study:
+        return study.flights().parameters[0]
+
+
+@pytest.mark.parametrize("name", ["learned", "paper", "default"])
+def test_a_first_guess_has_a_name(hotlap, here, name):
+    hotlap("tune", "straight.toml", "--goal", "none", "--budget", "1", "--first-guess", name, "--out", "named")
+    np.testing.assert_allclose(first_flown(here / "named"), [GOOD if name == "paper" else DEFAULT] * 2, rtol=1e-9)
+
+
+def test_a_first_guess_is_learnt_from_a_file(hotlap, here):
+    (here / "mine.json").write_text(write_training_set(make_set(make_race("a", "080"))), encoding="utf-8")
+    ran = hotlap("tune", "straight.toml", "--goal", "none", "--budget", "1", "--first-guess", "mine.json", "--out", "mine", "--json")
+    np.testing.assert_array_equal(first_flown(here / "mine"), [GOOD] * 2)
+    assert ran.document["first_guess"] == "mine.json"
+
+
+def test_what_was_learnt_about_another_controller_is_no_guess(hotlap, here):
+    foreign = make_set(make_race("a", "080"), names=("a", "b", "c", "d", "e"))
+    (here / "foreign.json").write_text(write_training_set(foreign), encoding="utf-8")
+    ran = hotlap("tune", "straight.toml", "--first-guess", "foreign.json", "--goal", "none", "--budget", "1", "--out", "other")
+    assert "note: nothing was learnt about the controller mpc; the first guess is its default" in ran.err.splitlines()
+    np.testing.assert_array_equal(first_flown(here / "other"), [DEFAULT] * 2)
 
 
 def test_a_race_that_cannot_be_planned_is_exit_1(hotlap, monkeypatch):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hotlap import tuners, worlds
 from hotlap.configuration import Configuration
 from hotlap.course import Course
+from hotlap.first_guess.guess import DEFAULT, first_guess
 from hotlap.objective import Objective
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.preparation import prepare
@@ -36,6 +37,7 @@ class Cell:
         seeds: of the runs.
         world: where.
         segments: how the reference is cut.
+        first_guess: name of where its runs begin.
     """
 
     race: Race
@@ -44,13 +46,14 @@ class Cell:
     seeds: tuple[int, ...]
     world: str = worlds.DEFAULT
     segments: Rule = Rule.PAPER
+    first_guess: str = DEFAULT
 
     @property
     def key(self) -> str:
         """Changes whenever something changes that decides about a run, its seed apart."""
         tuner = tuners.build(self.tuner)
         course = course_for(prepare(self.race, segments=self.segments), tuner)
-        first, goal = course.space.first_guess(len(course.segments)), self.settings.goal
+        first, goal = first_guess(course, self.first_guess), self.settings.goal
         fingerprint = Configuration(course, self.world, goal.metric, tuner.name, self.settings, first).fingerprint
         return f"{fingerprint}-{self.settings.budget}"
 
@@ -176,18 +179,19 @@ def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
     if isinstance(world, BuiltIn) and parent_process() is not None:
         world.threads = 1  # there is a worker for each processor
     objective = Objective(course, world, first.settings.goal.metric, first.settings.randomise)
-    runs = [_begin(cell, course, seed) for cell in cells for seed in cell.seeds]
+    guesses = {name: first_guess(course, name) for name in {cell.first_guess for cell in cells}}
+    runs = [_begin(cell, course, guesses[cell.first_guess], seed) for cell in cells for seed in cell.seeds]
     for i, batch in tune_together(objective, [run.tuning for run in runs]):
         runs[i].follow(batch)
         if batch.done:
             yield runs[i].cell, _end(batch, runs[i])
 
 
-def _begin(cell: Cell, course: Course, seed: int) -> _Progress:
+def _begin(cell: Cell, course: Course, guess: Parameters, seed: int) -> _Progress:
     """A run that has not flown yet."""
     tuner = Timed(tuners.build(cell.tuner))
     settings = TuningSettings(**{**vars(cell.settings), "seed": seed})
-    return _Progress(cell, seed, Tuning(tuner, course, settings), tuner)
+    return _Progress(cell, seed, Tuning(tuner, course, settings, guess), tuner)
 
 
 def _end(batch: Batch, progress: _Progress) -> Run:

@@ -9,6 +9,7 @@ from hotlap.cli.parser import Parser, fraction, one_of, path, whole
 
 KINDS = ("race", "track", "quadrotor")
 RULES = ("paper", "released_1m", "released_3m", "none", "equal_time", "automatic")
+GUESSES = ("learned", "paper", "default")
 GOALS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
 
 
@@ -58,6 +59,11 @@ def _segments(parser: Parser) -> None:
     parser.add_argument("--segments", type=rules, default=RULES[0], metavar="RULE", help=f"{', '.join(RULES)} (default: {RULES[0]})")
 
 
+def _first_guess(parser: Parser, default: str, purpose: str) -> None:
+    known = f"{', '.join(GUESSES)}, parameters (a file or a study's folder), or what was learnt (a .json)"
+    parser.add_argument("--first-guess", default=default, metavar="NAME", help=f"{purpose}: {known} (default: {default})")
+
+
 def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
@@ -90,7 +96,7 @@ def _tune(parser: Parser) -> None:
     add("--out", type=path, metavar="DIR", help="folder of the study, begun or gone on with (default: runs/RACE-DATE, new)")
     _reference(parser)
     _segments(parser)
-    add("--first-guess", default="default", metavar="FILE", help="parameters to begin with: a file, a study's folder, or default")
+    _first_guess(parser, "learned", "what to begin with")
     _controller(parser)
     _world(parser)
     add("--randomise", type=fraction, default=0.0, metavar="R", help="fly in worlds that differ from the vehicle by up to this share")
@@ -104,7 +110,8 @@ def _tune(parser: Parser) -> None:
 def _fly(parser: Parser) -> None:
     _race(parser)
     add = parser.add_argument
-    add("--parameters", type=path, metavar="FILE", help="a parameters file or a study's folder (default: the default weights)")
+    add("--parameters", type=path, metavar="FILE", help="a parameters file or a study's folder")
+    _first_guess(parser, "default", "without --parameters, what is flown")
     add("--flights", type=whole, default=100, metavar="N", help="how many, each with noise of its own (default: 100)")
     add("--seed", type=whole, default=0, metavar="S", help="of the noise (default: 0)")
     _reference(parser)
@@ -127,10 +134,19 @@ def _compare(parser: Parser) -> None:
     add("--randomise", type=fraction, default=0.0, metavar="R", help="fly in worlds that differ from the vehicle by up to this share")
     add("--worlds", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
     add("--validation", type=whole, default=50, metavar="N", help="flights of each result with fresh noise (default: 50)")
+    guesses = one_of("first guess", GUESSES)
+    add("--first-guess", type=guesses, default="default", metavar="NAME", help=f"where all begin: {', '.join(GUESSES)} (default: default)")
     add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
     _segments(parser)
     _controller(parser)
     _world(parser)
+
+
+def _learn(parser: Parser) -> None:
+    add = parser.add_argument
+    add("races", nargs="*", metavar="RACE", help="races to learn from, of one controller (default: 105 that come with hotlap)")
+    add("--out", type=path, required=True, metavar="DIR", help="folder of what is learnt, begun or gone on with")
+    add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
 
 
 def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
@@ -179,6 +195,13 @@ COMMANDS: Mapping[str, Command] = {
         "Fly a race with given parameters and fresh noise, and say how the flights ended.",
         _fly,
         ("hotlap fly circle-34", "hotlap fly circle-34 --parameters runs/mine --flights 1000"),
+    ),
+    "learn": Command(
+        "learn first guesses from races",
+        "Tune races, fly each with the parameters of all others, and keep what first guesses are learnt from. Every race is kept when\n"
+        "it is done; the same command goes on where it was interrupted.",
+        _learn,
+        ("hotlap learn my-race.toml my-other-race.toml --out runs/learnt", "hotlap learn --out runs/learnt"),
     ),
     "bench": Command("measure the flight core", "Measure how fast the flight core flies on this machine.", _bench, ()),
 }

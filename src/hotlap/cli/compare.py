@@ -82,7 +82,9 @@ def _cells(options: Namespace) -> list[Cell]:
         with working(f"planning {race.name}"):
             course = prepare(race, segments=rule)
         make_ready(world, course)
-    return [Cell(race, name, settings[name], seeds, options.on, rule) for race in races for name in dict.fromkeys(names)]
+    return [
+        Cell(race, name, settings[name], seeds, options.on, rule, options.first_guess) for race in races for name in dict.fromkeys(names)
+    ]
 
 
 def _race(name: str, options: Namespace) -> Race:
@@ -115,7 +117,7 @@ def _fly(cells: Sequence[Cell], kept: RunsFile, options: Namespace) -> None:
         note(f"{kept.path}: {before} of {wanted} runs are there already")
     with follow_runs(wanted, before) as watch:
         for _, (cell, run) in spread(fly_cells, groups, options.jobs):
-            kept.add(keys[cell.race.name, cell.tuner], run)
+            kept.add((keys[cell.race.name, cell.tuner], run.seed), run)
             watch(run)
 
 

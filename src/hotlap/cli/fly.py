@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hotlap import worlds
-from hotlap.cli.flying import load, make_course, make_ready, read_parameters
+from hotlap.cli.flying import check_guess, load, make_course, make_ready, read_guess, read_parameters
 from hotlap.cli.inputs import check_range, check_source, check_target
 from hotlap.cli.output import present, working
 from hotlap.cli.summary import describe_flights
@@ -34,9 +34,9 @@ def run(options: Namespace) -> int:
     world, race = worlds.build(options.on), load(options)
     if options.parameters is not None and options.parameters.is_file():
         load_parameters(options.parameters)
+    check_guess(options.first_guess)
     course = make_course(race, options)
-    default = course.space.first_guess(len(course.segments))
-    parameters = default if options.parameters is None else read_parameters(options.parameters, course)
+    parameters = read_guess(options.first_guess, course) if options.parameters is None else read_parameters(options.parameters, course)
     make_ready(world, course)
     seeds = flight_seeds(options.seed, Stream.DEMONSTRATION, 0, options.flights)
     with working(f"flying {race.name} {options.flights} times"):

@@ -10,13 +10,17 @@ from hotlap.cli.output import note, working
 from hotlap.controllers import ControllerKind
 from hotlap.course import Course
 from hotlap.database import FILE
-from hotlap.errors import InputError
+from hotlap.errors import InputError, UnknownNameError
 from hotlap.files import PARAMETERS_FILE, load_parameters, load_race
+from hotlap.first_guess.guess import DEFAULT, LEARNED, NAMES, first_guess, teaches
+from hotlap.first_guess.training_set import load_training_set, shipped
 from hotlap.parameters import Parameters
 from hotlap.preparation import differences, parameters_for, prepare
 from hotlap.race import Race
 from hotlap.segmentation import Rule
 from hotlap.worlds.world import World
+
+TRAINING = ".json"  # what the files of training sets end with
 
 
 def load(options: Namespace) -> Race:
@@ -54,6 +58,34 @@ def read_parameters(path: Path, course: Course) -> Parameters:
     for difference in differences(course, saved):
         note(f"note: {path}: {difference}")
     return values
+
+
+def check_guess(text: str) -> None:
+    """Refuse a first guess that cannot be read, before anything takes its time.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    if text in NAMES:
+        return
+    path = Path(text)
+    if not path.suffix and not path.exists():
+        raise UnknownNameError("first guess", text, NAMES, "--first-guess")
+    if path.suffix == TRAINING:
+        load_training_set(path)
+    else:
+        load_parameters(path)
+
+
+def read_guess(text: str, course: Course) -> Parameters:
+    """The first guess that was asked for, shape (S, K): a name, parameters, or what is learnt from a training set."""
+    if text not in NAMES and Path(text).suffix != TRAINING:
+        return read_parameters(Path(text), course)
+    training = shipped() if text in NAMES else load_training_set(Path(text))
+    name = text if text in NAMES else LEARNED
+    if name != DEFAULT and not teaches(training, course):
+        note(f"note: nothing was learnt about the controller {course.race.controller.kind}; the first guess is its default")
+    return first_guess(course, name, training)
 
 
 def command_to_fly(options: Namespace, parameters: Path) -> str:

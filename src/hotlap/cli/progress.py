@@ -52,52 +52,71 @@ def follow(budget: int, flown: int) -> Iterator[Watch]:
 
 
 @contextmanager
-def follow_runs(wanted: int, done: int) -> Iterator[Callable[[Run], None]]:
-    """Show the runs of a comparison.
+def follow_pieces(unit: str, wanted: int, done: int) -> Iterator[Callable[[str], None]]:
+    """Show how many pieces of some work are done.
 
     Args:
+        unit: what they are, in the plural.
         wanted: how many in all.
         done: how many of them in earlier sittings.
 
     Yields:
-        What to call after each run.
+        What to call with a few words on each piece that has ended.
     """
-    console, tally = Plain(stderr=True), Tally(wanted, done)
+    console = Plain(stderr=True)
     if not console.is_terminal:
-        yield tally.say
+        yield Tally(unit, wanted, done).say
         return
     state = TextColumn("{task.fields[state]}", markup=False)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("runs", total=wanted, completed=done, state="")
-        yield lambda run: progress.update(task, advance=1, state=tally.count(run))
+        task = progress.add_task(unit, total=wanted, completed=done, state="")
+        yield lambda words: progress.update(task, advance=1, state=words)
+
+
+@contextmanager
+def follow_runs(wanted: int, done: int) -> Iterator[Callable[[Run], None]]:
+    """Show the runs of a comparison; yields what to call after each run."""
+    counts = Flown()
+    with follow_pieces("runs", wanted, done) as say:
+        yield lambda run: say(counts(run))
 
 
 class Tally:
-    """Counts the runs of a comparison, and their flights.
+    """Pieces of work for logs: a line every few seconds, and one at the end.
 
     Args:
-        wanted: runs in all.
-        done: runs so far.
+        unit: what they are, in the plural.
+        wanted: pieces in all.
+        done: pieces so far.
         clock: [s]
     """
 
-    def __init__(self, wanted: int, done: int, clock: Callable[[], float] = time.monotonic) -> None:
-        self._wanted, self._done, self._clock = wanted, done, clock
-        self._flights, self._rate, self._last = 0, Rate(0, clock), clock()
+    def __init__(self, unit: str, wanted: int, done: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._unit, self._wanted, self._done, self._clock, self._last = unit, wanted, done, clock, clock()
 
-    def count(self, run: Run) -> str:
-        """Count one; in few words, what it was and how fast flights are."""
-        self._flights += run.flights + run.validation
-        self._done += 1
-        return f"{run.race} by {run.tuner}, {self._rate(self._flights)}"
-
-    def say(self, run: Run) -> None:
+    def say(self, words: str) -> None:
         """Count one, and say so, if it is time or the last."""
-        state = self.count(run)
+        self._done += 1
         if self._done == self._wanted or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
-            note(f"{self._done} of {self._wanted} runs, now {state}")
+            note(f"{self._done} of {self._wanted} {self._unit}, now {words}")
+
+
+class Flown:
+    """Counts the flights of runs.
+
+    Args:
+        clock: [s]
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._flights, self._rate = 0, Rate(0, clock)
+
+    def __call__(self, run: Run) -> str:
+        """Count a run; in few words, what it was and how fast flights are."""
+        self._flights += run.flights + run.validation
+        return f"{run.race} by {run.tuner}, {self._rate(self._flights)}"
 
 
 class Rate:

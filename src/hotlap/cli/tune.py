@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hotlap import __version__, tuners, worlds
-from hotlap.cli.flying import load, make_course, make_ready, read_parameters
+from hotlap.cli.flying import check_guess, load, make_course, make_ready, read_guess
 from hotlap.cli.inputs import check_source
 from hotlap.cli.output import note, present, working
 from hotlap.cli.progress import follow
@@ -17,7 +17,7 @@ from hotlap.cli.stopping import remark
 from hotlap.cli.summary import dump_holds, summarise
 from hotlap.configuration import Configuration
 from hotlap.errors import HotlapError, InputError, StudyError
-from hotlap.files import PARAMETERS_FILE, load_parameters, save_parameters
+from hotlap.files import PARAMETERS_FILE, save_parameters
 from hotlap.goal import Quantity, parse_goal
 from hotlap.objective import Objective
 from hotlap.result import Result
@@ -28,8 +28,6 @@ from hotlap.worlds.world import World
 
 if TYPE_CHECKING:
     from hotlap.analysis.hold import Hold
-
-DEFAULT_GUESS = "default"
 
 
 def run(options: Namespace) -> int:
@@ -45,7 +43,7 @@ def run(options: Namespace) -> int:
     paths = {"study": str(folder), "parameters": str(file), "pictures": [str(path) for path in pictures]}
     present(
         as_json=options.json,
-        document={**result.dump(), "world": world.name, "hold": dump_holds(holds), **paths},
+        document={**result.dump(), "world": world.name, "first_guess": options.first_guess, "hold": dump_holds(holds), **paths},
         lines=summarise(result, holds, paths, options),
     )
     return 0 if result.best.confirmed or configuration.settings.goal.quantity is Quantity.NONE else 1
@@ -60,14 +58,12 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
     if options.randomise and not world.takes_truth:
         raise InputError("--randomise", "", f"{world.name} flies the vehicle that it has")
     check_source(options.reference)
-    guess = None if options.first_guess == DEFAULT_GUESS else Path(options.first_guess)
-    if guess is not None:
-        load_parameters(guess)
+    check_guess(options.first_guess)
     if options.out is not None and options.out.exists() and not options.out.is_dir():
         raise StudyError(str(options.out), "", "is a file, not the folder of a study")
     with remark(f"nothing is lost; begin again with: {shlex.join(['hotlap', 'tune', *options.arguments])}"):
         course = course_for(make_course(load(options), options), tuner)
-    first = course.space.first_guess(len(course.segments)) if guess is None else read_parameters(guess, course)
+    first = read_guess(options.first_guess, course)
     return world, Configuration(course, world.name, settings.goal.metric, tuner.name, settings, first)
 
 

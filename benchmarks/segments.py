@@ -1,0 +1,240 @@
+"""What segments are worth: python benchmarks/segments.py thresholds|rules|handover|transfer [--jobs N] [--out DIR]
+
+All begin at the default weights. Resumable: what is flown is kept in DIR; the tables go to standard output.
+
+    thresholds  of the paper's rule: height, look-ahead and least duration; the segments, and flights to 100 %
+    rules       each segmentation rule on all races of Table I in both suites
+    handover    by time, by node and by distance
+    transfer    parameters tuned on one race flown on the others, copied for each class of segments
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hotlap import tuners
+from hotlap.analysis.lines_file import LinesFile
+from hotlap.course import Course
+from hotlap.executor import spread
+from hotlap.files import load_race
+from hotlap.objective import Objective
+from hotlap.preparation import prepare
+from hotlap.race import Handover
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.segmentation import Rule, segment
+from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.worlds.built_in import BuiltIn
+
+TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
+SOLVABLE = (*TABLE_I, *(f"airsim-{name}" for name in TABLE_I[:-1]), "airsim-final-21")
+SEGMENTED = ("guided_walk:segments", "metropolis_hastings:untied_log")
+RISES, LOOKS, LEASTS = (0.25, 0.5, 1.0, 2.0, 4.0), (0.5, 1.0, 2.0), (0.5, 1.0, 2.0, 4.0)
+LONG = ("qualifier-20", "final-22", "soccer-medium-20")
+BUDGET, FLIGHTS = 300, 50
+
+
+@dataclass(frozen=True)
+class Case:
+    """Some runs of a tuner.
+
+    Attributes:
+        race: a built-in one.
+        tuner: algorithm with preset.
+        seeds: how many.
+        rule: how the reference is cut.
+        thresholds: of the rule, by name.
+        handover: between segments.
+        confirm: re-flights.
+        budget: flights at most.
+    """
+
+    race: str
+    tuner: str
+    seeds: int
+    rule: str = Rule.PAPER
+    thresholds: tuple[tuple[str, float], ...] = ()
+    handover: str = Handover.TIME
+    confirm: int = 4
+    budget: int = BUDGET
+
+    @property
+    def course(self) -> Course:
+        """What is flown."""
+        race = load_race(self.race)
+        controller = race.controller.model_copy(update={"handover": Handover(self.handover)})
+        course = prepare(race.model_copy(update={"controller": controller}))
+        return replace(course, segments=segment(course.reference, Rule(self.rule), **dict(self.thresholds)))
+
+
+def fly(case: Case) -> Iterator[dict[str, Any]]:
+    """Search flights of each run, None where it was not confirmed; what was found, and how often it holds."""
+    course = course_for(case.course, tuners.build(case.tuner))
+    settings = [
+        TuningSettings(budget=case.budget, seed=seed, confirm=case.confirm, reliability=0.0, validation=FLIGHTS)
+        for seed in range(case.seeds)
+    ]
+    runs = [Tuning(tuners.build(case.tuner), course, one) for one in settings]
+    for _ in tune_together(Objective(course, BuiltIn(threads=1)), runs):
+        pass
+    good = [run for run in runs if run.best is not None and run.best.confirmed]
+    yield {
+        "segments": len(course.segments),
+        "search": [run.search_flights if run in good else None for run in runs],
+        "held": [run.validation.rate if run.validation else None for run in good],
+        "found": [run.best.parameters.tolist() for run in good],
+    }
+
+
+def run_cases(kept: LinesFile, cases: Sequence[Case], jobs: int) -> dict[Case, dict[str, Any]]:
+    """All of them; what is missing is flown."""
+    unique = list(dict.fromkeys(cases))
+    missing = [case for case in unique if repr(case) not in kept.done]
+    for count, (case, result) in enumerate(spread(fly, missing, jobs), 1):
+        kept.add(repr(case), result)
+        print(f"{count} of {len(missing)}: {case.race} by {case.tuner}", file=sys.stderr, flush=True)
+    return {case: kept.done[repr(case)] for case in unique}
+
+
+def shown(results: Sequence[Mapping[str, Any]]) -> str:
+    """Share of runs that were confirmed, median of search flights."""
+    counts = [np.inf if count is None else count for result in results for count in result["search"]]
+    middle = np.median(counts)
+    return f"{100 * np.mean(np.isfinite(counts)):.0f} / {f'{middle:.0f}' if np.isfinite(middle) else '-'}"
+
+
+def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
+    """A line for each way in which a race is cut, and the thresholds that cut it so."""
+    for race in LONG:
+        course, ways = prepare(race), {}
+        for rise, ahead, least in product(RISES, LOOKS, LEASTS):
+            chosen = (("rise", rise), ("ahead", ahead), ("least", least))
+            cut = segment(course.reference, Rule.PAPER, **dict(chosen))
+            ways.setdefault((tuple(cut.starts.tolist()), cut.classes), []).append(chosen)
+        cases = [Case(race, tuner, 6, thresholds=same[0]) for same in ways.values() for tuner in SEGMENTED]
+        results = run_cases(kept, cases, jobs)
+        yield f"\n{race}\n\n| segments | cuts | {' | '.join(SEGMENTED)} |\n|{'---|' * (2 + len(SEGMENTED))}"
+        counts = sorted({len(starts) for starts, _ in ways})
+        for count in counts:
+            own = [same[0] for (starts, _), same in ways.items() if len(starts) == count]
+            cells = [shown([results[Case(race, tuner, 6, thresholds=one)] for one in own]) for tuner in SEGMENTED]
+            yield f"| {count} | {len(own)} | {' | '.join(cells)} |"
+        yield f"\n| height [m] | look-ahead [s] | {' | '.join(f'least {least:g} s' for least in LEASTS)} |\n|{'---|' * (2 + len(LEASTS))}"
+        for rise, ahead in product(RISES, LOOKS):
+            cells = []
+            for least in LEASTS:
+                chosen = (("rise", rise), ("ahead", ahead), ("least", least))
+                (starts, _), same = next(item for item in ways.items() if chosen in item[1])
+                cells.append(f"{len(starts)}: {shown([results[Case(race, SEGMENTED[0], 6, thresholds=same[0])]])}")
+            yield f"| {rise:g} | {ahead:g} | {' | '.join(cells)} |"
+
+
+def rules(kept: LinesFile, jobs: int) -> Iterator[str]:
+    """A table for each tuner: races by rules."""
+    named = ("guided_walk:default", *SEGMENTED)
+    cases = {(tuner, race, rule): Case(race, tuner, 8, rule) for tuner in named for race in SOLVABLE for rule in Rule}
+    results = run_cases(kept, list(cases.values()), jobs)
+    for tuner in named:
+        yield f"\n{tuner}\n\n| race | {' | '.join(Rule)} |\n|{'---|' * (1 + len(Rule))}"
+        for race in SOLVABLE:
+            found = [results[cases[tuner, race, rule]] for rule in Rule]
+            cells = [f"{one['segments']}: {shown([one])}" for one in found]
+            yield f"| {race} | {' | '.join(cells)} |"
+        yield f"| all | {' | '.join(shown([results[cases[tuner, race, rule]] for race in SOLVABLE]) for rule in Rule)} |"
+
+
+def handover(kept: LinesFile, jobs: int) -> Iterator[str]:
+    """Races with several segments by ways of handing over."""
+    several = [race for race in SOLVABLE if not race.rpartition("airsim-")[2].startswith("circle")]
+    for tuner in SEGMENTED:
+        cases = {(race, way): Case(race, tuner, 10, handover=way) for race in several for way in Handover}
+        results = run_cases(kept, list(cases.values()), jobs)
+        yield f"\n{tuner}\n\n| race | {' | '.join(Handover)} |\n|{'---|' * (1 + len(Handover))}"
+        for race in several:
+            yield f"| {race} | {' | '.join(shown([results[cases[race, way]]]) for way in Handover)} |"
+        yield f"| all | {' | '.join(shown([results[cases[race, way]] for race in several]) for way in Handover)} |"
+
+
+@dataclass(frozen=True)
+class Flown:
+    """Parameters by class of segments, flown on a race."""
+
+    source: Case
+    target: str
+    values: tuple[tuple[str, tuple[float, ...]], ...]
+
+
+def carry(case: Flown) -> Iterator[float]:
+    """Share of flights that complete; a class that the source has not gets the median of its classes."""
+    course = replace(case.source, race=case.target).course
+    known = {kind: np.array(values) for kind, values in case.values}
+    middle = np.exp(np.median(np.log(list(known.values())), axis=0))
+    parameters = np.array([known.get(kind, middle) for kind in course.segments.segment_classes])
+    objective = Objective(course, BuiltIn(threads=1))
+    scores = objective.fly(np.repeat(parameters[None], 2 * FLIGHTS, axis=0), flight_seeds(0, Stream.DEMONSTRATION, 0, 2 * FLIGHTS))
+    yield float((scores.completion == 1).mean())
+
+
+def by_class(case: Case, found: Sequence[Any]) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    """Medians in logarithms over runs and over the segments of a class."""
+    kinds = case.course.segments.segment_classes
+    rows: dict[str, list[Any]] = {}
+    for values in found:
+        for kind, row in zip(kinds, values, strict=True):
+            rows.setdefault(str(kind), []).append(row)
+    return tuple((kind, tuple(np.exp(np.median(np.log(own), axis=0)).tolist())) for kind, own in rows.items())
+
+
+def transfer(kept: LinesFile, jobs: int) -> Iterator[str]:
+    """For each rule and suite a matrix: from row to column."""
+    for suite, tuner in product(
+        (TABLE_I, tuple(race for race in SOLVABLE if race.startswith("airsim"))), ("guided_walk:segments", "guided_walk:default")
+    ):
+        for rule in (Rule.PAPER, Rule.AUTOMATIC, Rule.NONE):
+            sources = [Case(race, tuner, 6, rule, confirm=10, budget=500) for race in suite]
+            results = run_cases(kept, sources, jobs)
+            flights = {
+                (source.race, target): Flown(source, target, by_class(source, results[source]["found"]))
+                for source in sources
+                if results[source]["found"]
+                for target in suite
+            }
+            missing = [case for case in flights.values() if repr(case) not in kept.done]
+            for case, share in spread(carry, missing, jobs):
+                kept.add(repr(case), share)
+            yield f"\n{rule}, {tuner}\n\n| tuned on | {' | '.join(suite)} | on others |\n|{'---|' * (2 + len(suite))}"
+            others = []
+            for race in suite:
+                if (race, race) not in flights:
+                    yield f"| {race} |{' |' * (1 + len(suite))}"
+                    continue
+                shares = [kept.done[repr(flights[race, target])] for target in suite]
+                other = [share for share, target in zip(shares, suite, strict=True) if target != race]
+                others += other
+                yield f"| {race} | {' | '.join(f'{100 * share:.0f}' for share in shares)} | {100 * np.mean(other):.0f} |"
+            yield f"| mean on others |{' |' * len(suite)} {100 * np.mean(others):.0f} |"
+
+
+def main() -> int:
+    """One part."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parts = {"thresholds": thresholds, "rules": rules, "handover": handover, "transfer": transfer}
+    parser.add_argument("part", choices=parts)
+    parser.add_argument("--out", type=Path, default=Path("build/segments"))
+    parser.add_argument("--jobs", type=int, default=0)
+    options = parser.parse_args()
+    with LinesFile.opened(options.out / options.part) as kept:
+        for line in parts[options.part](kept, options.jobs):
+            print(line)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

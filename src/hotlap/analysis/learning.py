@@ -1,0 +1,207 @@
+"""Learning: the races that first guesses are learnt from, tuned, and flown with each other's parameters.
+
+    races -> each tuned with several seeds -> candidates -> all candidates flown in every race -> TrainingSet
+
+None of the tracks is one of the paper's, but for Soccer_Field_Medium, which is a training track there too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from multiprocessing import parent_process
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap import __version__, tuners
+from hotlap.controllers import TUNABLE
+from hotlap.errors import PlanningError
+from hotlap.files import load_race
+from hotlap.first_guess.features import OF_A_PIECE, OF_A_RACE, PAPER, piece_features, race_features
+from hotlap.first_guess.training_set import DIGITS, TrainingPiece, TrainingRace, TrainingSet
+from hotlap.layouts import Layout, random_track
+from hotlap.objective import Objective
+from hotlap.preparation import prepare
+from hotlap.race import Race
+from hotlap.schema import Described
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.worlds.built_in import BuiltIn
+from hotlap.worlds.world import World
+
+TUNER = "guided_walk"
+SEEDS = 3  # tunings of each race
+BUDGET, CONFIRM, VALIDATION = 300, 10, 50
+FLIGHTS = 8  # of each candidate in each race
+FIRST_TRACK = 1000  # seed of the first random track
+PIECE_FEATURES = tuple(OF_A_PIECE)
+RACE_FEATURES = (*OF_A_RACE, *(name for name in OF_A_PIECE if name not in PAPER or name.startswith("mean")))
+
+SPEEDS: Mapping[str, tuple[float, ...]] = {  # m/s, v_max of the plans of each vehicle: one track of each layout at each speed
+    "hummingbird, late": (16.0, 20.0, 25.0, 30.0, 40.0),
+    "hummingbird": (18.0, 25.0, 34.0),
+    "airsim": (14.0, 15.0, 16.0, 17.0, 18.0, 20.0, 22.0, 25.0, 30.0, 35.0, 50.0),
+    "racer": (18.0, 34.0),
+    "racer, late": (14.0, 17.0, 20.0, 24.0, 30.0),
+}
+SOCCER, SOCCER_SPEED = "soccer-medium-20", 20.0
+LATE = 0.03  # s, of the racer whose controller does not know it
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A race to learn from, and who flies it."""
+
+    race: Race
+    vehicle: str
+
+    @property
+    def key(self) -> str:
+        """Changes with everything in the race."""
+        return self.race.fingerprint
+
+
+def lessons() -> tuple[Lesson, ...]:
+    """Random tracks of every layout and Soccer_Field_Medium, flown by several quadrotors at several speeds."""
+    layouts, found = list(Layout), []
+    for vehicle, speeds in SPEEDS.items():
+        base = _flown_by(vehicle)
+        for k, (speed, layout) in enumerate(product(speeds, layouts)):
+            track, planning = random_track(FIRST_TRACK + k, layout), base.planning.model_copy(update={"v_max": speed})
+            found.append(Lesson(base.model_copy(update={"name": track.name, "track": track, "planning": planning}), vehicle))
+        soccer = load_race(SOCCER)
+        own = soccer.planning.quadrotor if base.planning.quadrotor is not None else None
+        planning = base.planning.model_copy(update={"v_max": SOCCER_SPEED, "quadrotor": own})
+        found.append(Lesson(base.model_copy(update={"name": "soccer-medium", "track": soccer.track, "planning": planning}), vehicle))
+    return tuple(found)
+
+
+def _flown_by(vehicle: str) -> Race:
+    """A race to take everything but track and speed from."""
+    base = load_race("airsim-circle-34" if vehicle == "airsim" else "circle-34")
+    if vehicle == "hummingbird":  # its controller knows the dead time
+        return base.model_copy(update={"model": base.believed.model_copy(update={"delay": base.vehicle.delay})})
+    if not vehicle.startswith("racer"):
+        return base
+    racer = load_race("split-s")
+    planning = base.planning.model_copy(update={"quadrotor": None})
+    late = {"delay": LATE} if vehicle == "racer, late" else {}
+    changes = {"vehicle": racer.vehicle.model_copy(update=late), "model": racer.vehicle, "controller": racer.controller}
+    return base.model_copy(update={**changes, "planning": planning})
+
+
+class Tuned(Described):
+    """What became of a lesson.
+
+    Attributes:
+        features: of the race, in the order of `RACE_FEATURES`.
+        pieces: of its reference.
+        optima: confirmed parameters of its tunings, K each.
+        tuned: their median in logarithms; None without any.
+        validated: share of fresh flights that it completes.
+    """
+
+    features: tuple[float, ...]
+    pieces: tuple[TrainingPiece, ...]
+    optima: tuple[tuple[float, ...], ...]
+    tuned: tuple[float, ...] | None
+    validated: float
+
+    @property
+    def candidates(self) -> tuple[tuple[float, ...], ...]:
+        """Everything that came out of it."""
+        return (*self.optima, *([self.tuned] if self.tuned else []))
+
+
+def tune_lesson(lesson: Lesson) -> Iterator[Tuned | None]:
+    """Tune a race with several seeds; None where there is no plan."""
+    try:
+        course = course_for(prepare(lesson.race), tuners.build(TUNER))
+    except PlanningError:
+        yield None
+        return
+    objective = Objective(course, _world())
+    shared = {"budget": BUDGET, "confirm": CONFIRM, "validation": 0, "reliability": 0.0}
+    runs = [Tuning(tuners.build(TUNER), course, TuningSettings(seed=seed, **shared)) for seed in range(SEEDS)]
+    for _ in tune_together(objective, runs):
+        pass
+    optima = [run.best.parameters[0] for run in runs if run.best is not None and run.best.confirmed]  # all segments are alike
+    tuned = _rounded(np.exp(np.median(np.log(optima), axis=0))) if optima else None
+    rows = piece_features(course, PIECE_FEATURES)
+    yield Tuned(
+        features=_rounded(race_features(course, RACE_FEATURES)),
+        pieces=tuple(
+            TrainingPiece(kind=piece.kind, features=_rounded(row)) for piece, row in zip(course.segments.pieces, rows, strict=True)
+        ),
+        optima=tuple(map(_rounded, optima)),
+        tuned=tuned,
+        validated=float((_completions(objective, [tuned], VALIDATION) == 1).mean()) if tuned else 0.0,
+    )
+
+
+def fly_lesson(work: tuple[Lesson, Sequence[tuple[float, ...]]]) -> Iterator[tuple[str, str]]:
+    """Candidates flown in a race, all with the same noise: digits of the flights that passed every gate, and of completion."""
+    lesson, candidates = work
+    completion = _completions(Objective(prepare(lesson.race), _world()), candidates, FLIGHTS)
+    passed, completed = (completion == 1).sum(axis=1), np.floor(completion.mean(axis=1) * DIGITS + 1e-9).astype(int)
+    yield "".join(map(str, passed.tolist())), "".join(map(str, completed.tolist()))
+
+
+def candidates_of(tuned: Iterable[Tuned], default: Iterable[float]) -> tuple[tuple[float, ...], ...]:
+    """The default, and all that was tuned, each once."""
+    return tuple(dict.fromkeys([tuple(default), *(values for result in tuned for values in result.candidates)]))
+
+
+def assemble(
+    lessons: Sequence[Lesson], tuned: Sequence[Tuned], candidates: tuple[tuple[float, ...], ...], flown: Sequence[tuple[str, str]]
+) -> TrainingSet:
+    """Everything together, for lessons that have a plan."""
+    races = tuple(
+        TrainingRace(
+            track=lesson.race.track.name,
+            vehicle=lesson.vehicle,
+            v_max=lesson.race.planning.v_max,
+            features=result.features,
+            pieces=result.pieces,
+            tuned=result.tuned,
+            validated=result.validated,
+            own=tuple(dict.fromkeys(candidates.index(values) for values in result.candidates)),
+            passed=passed,
+            completed=completed,
+        )
+        for lesson, result, (passed, completed) in zip(lessons, tuned, flown, strict=True)
+    )
+    settings = {"tuner": TUNER, "seeds": SEEDS, "budget": BUDGET, "confirm": CONFIRM, "validation": VALIDATION}
+    controller = lessons[0].race.controller
+    return TrainingSet(
+        provenance={"hotlap": __version__, **settings},
+        names=TUNABLE[controller.kind].names,
+        horizon_unit=controller.horizon_unit,
+        piece_features=PIECE_FEATURES,
+        race_features=RACE_FEATURES,
+        flights=FLIGHTS,
+        candidates=candidates,
+        races=races,
+    )
+
+
+def _completions(objective: Objective, candidates: Sequence[Sequence[float]], flights: int) -> NDArray[np.float64]:
+    """Completion of each flight, shape (candidates, flights); the noise of the flights is that of every candidate."""
+    one = np.repeat(np.array(candidates)[:, None], len(objective.course.segments), axis=1)
+    seeds = np.tile(flight_seeds(0, Stream.VALIDATION, 0, flights), len(candidates))
+    return objective.fly(np.repeat(one, flights, axis=0), seeds).completion.reshape(len(candidates), flights)
+
+
+def _world() -> World:
+    """The built-in one; with one thread where there is a worker for each processor."""
+    world = BuiltIn()
+    if parent_process() is not None:
+        world.threads = 1
+    return world
+
+
+def _rounded(values: Iterable[float]) -> tuple[float, ...]:
+    """To four digits: what is kept is what was flown."""
+    return tuple(float(f"{value:.4g}") for value in values)

@@ -1,0 +1,141 @@
+"""Regression: parameters of each segment predicted from features of its pieces, one regressor for each class (Sec. IV-D of the paper).
+
+What is learnt is the logarithm of parameters, and from the vehicle alone that is most like the race's, as in the paper, whose
+training flights are those of its drone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.course import Course
+from hotlap.first_guess.features import OF_A_RACE, PAPER, piece_features, race_features
+from hotlap.first_guess.training_set import TrainingRace, TrainingSet
+from hotlap.parameters import Parameters
+
+Floats = NDArray[np.float64]
+
+VALIDATED = 0.9  # least share of fresh flights that a race's parameters must hold in to be learnt from
+NEIGHBOURS = 5
+
+
+def _boosting() -> Any:
+    from sklearn.ensemble import GradientBoostingRegressor  # noqa: PLC0415  it takes a second to load
+    from sklearn.multioutput import MultiOutputRegressor  # noqa: PLC0415
+
+    return MultiOutputRegressor(GradientBoostingRegressor(random_state=0))
+
+
+def _forest() -> Any:
+    from sklearn.ensemble import RandomForestRegressor  # noqa: PLC0415
+
+    return RandomForestRegressor(random_state=0)
+
+
+def _ridge() -> Any:
+    from sklearn.linear_model import RidgeCV  # noqa: PLC0415
+    from sklearn.pipeline import make_pipeline  # noqa: PLC0415
+    from sklearn.preprocessing import StandardScaler  # noqa: PLC0415
+
+    return make_pipeline(StandardScaler(), RidgeCV(np.logspace(-2, 3, 11)))
+
+
+def _nearest() -> Any:
+    from sklearn.neighbors import KNeighborsRegressor  # noqa: PLC0415
+    from sklearn.pipeline import make_pipeline  # noqa: PLC0415
+    from sklearn.preprocessing import StandardScaler  # noqa: PLC0415
+
+    return make_pipeline(StandardScaler(), KNeighborsRegressor(NEIGHBOURS))
+
+
+class _Median:
+    """The median, whatever the features."""
+
+    def fit(self, _: Floats, values: Floats) -> _Median:
+        self._median = np.median(values, axis=0)
+        return self
+
+    def predict(self, features: Floats) -> Floats:
+        return np.tile(self._median, (len(features), 1))
+
+
+REGRESSORS: Mapping[str, Callable[[], Any]] = {
+    "boosting": _boosting,
+    "forest": _forest,
+    "ridge": _ridge,
+    "nearest": _nearest,
+    "median": _Median,
+}
+
+
+@dataclass(frozen=True)
+class Regression:
+    """How parameters are predicted.
+
+    Attributes:
+        regressor: a name in `REGRESSORS`; the paper's is gradient boosting with default settings.
+        features: of a piece; the paper's are five.
+    """
+
+    regressor: str = "boosting"
+    features: tuple[str, ...] = PAPER
+
+    def __call__(self, course: Course, training: TrainingSet) -> Parameters:
+        """Predict, shape (S, K); a class that no training race has is predicted from all classes.
+
+        Raises:
+            ValueError: there is no race to learn from.
+        """
+        races = taught(training, race_features(course, training.race_features))
+        rows = piece_features(course, self.features)
+        kinds = [piece.kind for piece in course.segments.pieces]
+        predicted = np.empty((len(kinds), len(training.names)))
+        for kind in dict.fromkeys(kinds):
+            own = [i for i, other in enumerate(kinds) if other is kind]
+            features, values = self._table(training, races, kind)
+            predicted[own] = self._fitted(features, values).predict(rows[own])
+        return np.exp(_of_segments(course, predicted))
+
+    def _table(self, training: TrainingSet, races: Sequence[TrainingRace], kind: str) -> tuple[Floats, Floats]:
+        """Features and logarithms of parameters of a class, or of all where it has none: shape (n, F) and (n, K)."""
+        columns = [training.piece_features.index(name) for name in self.features]
+        found = [(piece, race) for race in races for piece in race.pieces if piece.kind == kind]
+        found = found or [(piece, race) for race in races for piece in race.pieces]
+        features = np.array([[piece.features[column] for column in columns] for piece, _ in found])
+        return features, np.log(np.array([race.tuned for _, race in found]))
+
+    def _fitted(self, features: Floats, values: Floats) -> Any:
+        """A regressor that has learnt; of few rows, which cannot be told apart, the median."""
+        few = len(features) <= NEIGHBOURS
+        return (_Median() if few else REGRESSORS[self.regressor]()).fit(features, values)
+
+
+def taught(training: TrainingSet, features: Floats) -> list[TrainingRace]:
+    """Tuned races of the vehicle that is most like the race's.
+
+    Raises:
+        ValueError: there is none.
+    """
+    races = [race for race in training.races if race.tuned is not None and race.validated >= VALIDATED]
+    if not races:
+        raise ValueError("no training race holds")
+    columns = [i for i, name in enumerate(training.race_features) if name in OF_A_RACE]
+    known = np.array([[race.features[i] for i in columns] for race in races])
+    spread = np.maximum(known.std(axis=0), 1e-9)
+    square = (((known - features[columns]) / spread) ** 2).sum(axis=1)
+    nearest = races[int(np.argmin(square))].vehicle
+    return [race for race in races if race.vehicle == nearest]
+
+
+def _of_segments(course: Course, predicted: Floats) -> Floats:
+    """Means over the pieces of each segment, weighted by their durations, shape (S, K)."""
+    totals, weights = np.zeros((len(course.segments), predicted.shape[1])), np.zeros(len(course.segments))
+    for piece, row in zip(course.segments.pieces, predicted, strict=True):
+        totals[piece.segment] += (piece.end - piece.start) * row
+        weights[piece.segment] += piece.end - piece.start
+    return totals / weights[:, None]

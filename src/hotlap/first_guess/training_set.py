@@ -1,0 +1,176 @@
+"""TrainingSet: races that were tuned, and how well each of many parameters flew every one of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files as package_files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from hotlap.errors import InputError
+from hotlap.faults import check
+from hotlap.first_guess.features import OF_A_PIECE, OF_A_RACE
+from hotlap.schema import Described
+from hotlap.segments import SegmentClass
+
+Floats = NDArray[np.float64]
+
+SHIPPED = "first_guess.json"  # among the package's data
+DIGITS = 9  # completion is kept in ninths
+
+
+class TrainingPiece(Described):
+    """A piece of a reference, as the paper's rule cuts it.
+
+    Attributes:
+        kind: its class.
+        features: in the order of `TrainingSet.piece_features`.
+    """
+
+    kind: SegmentClass
+    features: tuple[float, ...]
+
+
+class TrainingRace(Described):
+    """A race that was tuned.
+
+    Attributes:
+        track: what was flown; the same track flown by several vehicles has one name.
+        vehicle: who flew it.
+        v_max: [m/s] of its plan; None where it was not bounded so.
+        features: in the order of `TrainingSet.race_features`.
+        pieces: of its reference.
+        tuned: K parameters, the same in all segments: the median over its tunings that were confirmed; None without any.
+        validated: share of fresh flights in which `tuned` passes every gate; 0 without.
+        own: indices of the candidates that come from its tunings.
+        passed: a digit for each candidate: in how many of the flights it passed every gate.
+        completed: a digit for each candidate: mean completion of its flights, in ninths, rounded down.
+    """
+
+    track: str
+    vehicle: str
+    v_max: float | None
+    features: tuple[float, ...]
+    pieces: tuple[TrainingPiece, ...] = Field(min_length=1)
+    tuned: tuple[float, ...] | None
+    validated: float = Field(ge=0, le=1)
+    own: tuple[int, ...]
+    passed: str = Field(pattern="^[0-9]*$")
+    completed: str = Field(pattern="^[0-9]*$")
+
+
+class TrainingSet(Described):
+    """What first guesses are learnt from.
+
+    Attributes:
+        provenance: version, machine-independent settings, and the command that makes it again.
+        names: of the K parameters.
+        horizon_unit: [s] of the races' controllers.
+        piece_features: names, of `features.OF_A_PIECE`.
+        race_features: names, of `features.OF_A_RACE` and `OF_A_PIECE`; the latter of the whole reference.
+        flights: of each candidate in each race, at most nine.
+        candidates: K parameters each, the same in all segments; first the controller's default.
+        races: all of them.
+    """
+
+    provenance: dict[str, Any]
+    names: tuple[str, ...] = Field(min_length=1)
+    horizon_unit: float = Field(gt=0)
+    piece_features: tuple[str, ...]
+    race_features: tuple[str, ...]
+    flights: int = Field(ge=1, le=DIGITS)
+    candidates: tuple[tuple[float, ...], ...] = Field(min_length=1)
+    races: tuple[TrainingRace, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _fitting(self) -> TrainingSet:
+        for key, names in (("piece_features", self.piece_features), ("race_features", self.race_features)):
+            unknown = set(names) - (set(OF_A_PIECE) | (set(OF_A_RACE) if key == "race_features" else set()))
+            if unknown:
+                raise ValueError(f"{key}: there is no feature {min(unknown)}")
+        lengths = [("candidates", len(self.names), len(values)) for values in self.candidates]
+        for race in self.races:
+            lengths += [("races", len(self.race_features), len(race.features)), ("races", len(self.names), len(race.tuned or self.names))]
+            lengths += [("races", len(self.candidates), len(digits)) for digits in (race.passed, race.completed)]
+            lengths += [("races", len(self.piece_features), len(piece.features)) for piece in race.pieces]
+        for key, wanted, found in lengths:
+            if found != wanted:
+                raise ValueError(f"{key}: a row has {found} entries where there are {wanted} names")
+        if any(not 0 <= index < len(self.candidates) for race in self.races for index in race.own):
+            raise ValueError("races: own names a candidate that is not there")
+        return self
+
+    @property
+    def passed(self) -> Floats:
+        """Share of the flights that passed every gate, shape (races, candidates)."""
+        return _digits([race.passed for race in self.races]) / self.flights
+
+    @property
+    def completed(self) -> Floats:
+        """Mean completion, to a ninth, shape (races, candidates)."""
+        return _digits([race.completed for race in self.races]) / DIGITS
+
+    def without(self, track: str) -> TrainingSet:
+        """What would be known if a track had never been flown; the controller's default stays a candidate."""
+        races = tuple(race for race in self.races if race.track != track)
+        kept = sorted({0, *(index for race in races for index in race.own)})
+        place = {index: i for i, index in enumerate(kept)}
+
+        def narrowed(race: TrainingRace) -> TrainingRace:
+            passed, completed = ("".join(digits[i] for i in kept) for digits in (race.passed, race.completed))
+            return race.model_copy(update={"passed": passed, "completed": completed, "own": tuple(place[i] for i in race.own)})
+
+        candidates = tuple(self.candidates[i] for i in kept)
+        return self.model_copy(update={"candidates": candidates, "races": tuple(map(narrowed, races))})
+
+
+@cache
+def shipped() -> TrainingSet:
+    """The training set that comes with hotlap."""
+    return _read(package_files("hotlap.data").joinpath(SHIPPED).read_bytes(), SHIPPED)
+
+
+def load_training_set(path: Path) -> TrainingSet:
+    """A training set from a file.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    try:
+        return _read(path.read_bytes(), str(path))
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be read: {error.strerror}") from None
+
+
+def write_training_set(training: TrainingSet) -> str:
+    """The content of a file: JSON, a line for each candidate and race."""
+    plain = training.model_dump(mode="json")
+    lines = [f'"{key}": {json.dumps(value)}' for key, value in plain.items() if key not in ("candidates", "races")]
+    lines += [f'"{key}": [\n{_rows(plain[key])}\n]' for key in ("candidates", "races")]
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _rows(values: list[Any]) -> str:
+    return ",\n".join(json.dumps(value) for value in values)
+
+
+def _read(content: bytes, source: str) -> TrainingSet:
+    """Checked."""
+    try:
+        plain: Mapping[str, Any] = json.loads(content)
+    except ValueError:
+        raise InputError(source, "", "is no JSON document") from None
+    if not isinstance(plain, dict):
+        raise InputError(source, "", "must be one JSON object")
+    return check(TrainingSet, plain, source)
+
+
+def _digits(rows: list[str]) -> Floats:
+    """Shape (rows, digits)."""
+    return np.array([[int(digit) for digit in row] for row in rows], dtype=np.float64)
