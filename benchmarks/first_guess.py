@@ -1,28 +1,35 @@
-"""How good first guesses are on a track that nobody learnt from: python benchmarks/first_guess.py [--jobs N]
+"""How good first guesses are on tracks that nobody learnt from: python benchmarks/first_guess.py left_out|unseen [--jobs N]
 
-For every race of the shipped training set that the drones of the two suites fly: each method learns from all other tracks, and guesses.
-The guess is compared with what that race was tuned to, flown, and tuned from. Resumable; the tables go to standard output.
+    left_out  every race of the shipped training set that the drones of the two suites fly: each method learns from all other tracks, and
+              guesses; the guess is compared with what the race was tuned to, flown, and tuned from
+    unseen    random tracks that are not in the training set: how often a guess flies as it is, or after few flights
+
+Resumable; the tables go to standard output.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hotlap import tuners
-from hotlap.analysis.learning import Lesson, lessons
+from hotlap.analysis.learning import Lesson, lessons, race_of
 from hotlap.analysis.lines_file import LinesFile
+from hotlap.course import Course
+from hotlap.errors import PlanningError
 from hotlap.executor import spread
 from hotlap.first_guess.features import OF_A_PIECE, PAPER
 from hotlap.first_guess.guess import Method, guess_by, voted
 from hotlap.first_guess.regression import Regression
 from hotlap.first_guess.training_set import shipped
+from hotlap.layouts import random_track
 from hotlap.objective import Objective
+from hotlap.parameters import Parameters
 from hotlap.preparation import prepare
 from hotlap.seeds import Stream, flight_seeds
 from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
@@ -30,6 +37,8 @@ from hotlap.worlds.built_in import BuiltIn
 
 VEHICLES = {"default suite": "hummingbird, late", "airsim": "airsim"}
 FLIGHTS, SEEDS, BUDGET = 32, 4, 100
+UNSEEN = range(100, 120)  # seeds of tracks
+UNSEEN_METHODS = ("default weights", "vote", "boosting, the paper's five")
 TUNERS = ("guided_walk", "metropolis_hastings:paper")
 
 METHODS: Mapping[str, Method | None] = {
@@ -45,64 +54,120 @@ METHODS: Mapping[str, Method | None] = {
 }
 
 
-def judge(lesson: Lesson) -> Iterator[dict[str, Any]]:
-    """All methods on one race: error, share of complete flights, search flights of each tuner."""
-    course = course_for(prepare(lesson.race), tuners.build(TUNERS[0]))
-    known = next(race for race in shipped().races if race.track == lesson.race.track.name and race.vehicle == lesson.vehicle)
-    training, segments = shipped().without(known.track), len(course.segments)
-    guesses = {
-        name: course.space.first_guess(segments) if method is None else guess_by(method, course, training)
-        for name, method in METHODS.items()
-    }
-    world = BuiltIn(threads=1)
-    objective = Objective(course, world)
-    seeds = flight_seeds(0, Stream.DEMONSTRATION, 0, FLIGHTS)
-    found: dict[str, Any] = {}
-    for name, guess in guesses.items():
-        completion = objective.fly(np.repeat(guess[None], FLIGHTS, axis=0), seeds).completion
-        error = None if known.tuned is None else float(np.sqrt(np.mean((np.log(guess) - np.log(known.tuned)) ** 2)))
-        found[name] = {"error": error, "complete": float((completion == 1).mean())}
-    for tuner in TUNERS:
+def search(course: Course, guesses: Mapping[str, Parameters], asked: Sequence[str]) -> dict[str, dict[str, list[int | None]]]:
+    """Search flights of each tuner from each guess, seed by seed; None where nothing was confirmed."""
+    found: dict[str, dict[str, list[int | None]]] = {name: {} for name in guesses}
+    for tuner in asked:
         settings = [TuningSettings(budget=BUDGET, seed=seed, confirm=4, reliability=0.0, validation=0) for seed in range(SEEDS)]
         runs = [(name, Tuning(tuners.build(tuner), course, one, guess)) for name, guess in guesses.items() for one in settings]
-        for _ in tune_together(objective, [run for _, run in runs]):
+        for _ in tune_together(Objective(course, BuiltIn(threads=1)), [run for _, run in runs]):
             pass
-        for name in METHODS:
+        for name in guesses:
             own = [run for other, run in runs if other == name]
             found[name][tuner] = [run.search_flights if run.best is not None and run.best.confirmed else None for run in own]
+    return found
+
+
+def complete(course: Course, guess: Parameters, flights: int) -> float:
+    """Share of flights that pass every gate."""
+    seeds = flight_seeds(0, Stream.DEMONSTRATION, 0, flights)
+    scores = Objective(course, BuiltIn(threads=1)).fly(np.repeat(guess[None], flights, axis=0), seeds)
+    return float((scores.completion == 1).mean())
+
+
+def judge(lesson: Lesson) -> Iterator[dict[str, Any]]:
+    """All methods on a race of the training set, learning from the other tracks: error, share of complete flights, search flights."""
+    course = course_for(prepare(lesson.race), tuners.build(TUNERS[0]))
+    known = next(race for race in shipped().races if race.track == lesson.race.track.name and race.vehicle == lesson.vehicle)
+    training = shipped().without(known.track)
+    default = course.space.first_guess(len(course.segments))
+    guesses = {name: default if method is None else guess_by(method, course, training) for name, method in METHODS.items()}
+    found: dict[str, Any] = search(course, guesses, TUNERS)
+    for name, guess in guesses.items():
+        error = None if known.tuned is None else float(np.sqrt(np.mean((np.log(guess) - np.log(known.tuned)) ** 2)))
+        found[name] |= {"error": error, "complete": complete(course, guess, FLIGHTS), "tuned": known.tuned is not None}
     yield found
 
 
-def table(rows: list[dict[str, Any]]) -> Iterator[str]:
-    """One suite: a line a method."""
-    yield f"| method | error | complete | {' | '.join(f'{tuner}: confirmed, median' for tuner in TUNERS)} |\n|{'---|' * (3 + len(TUNERS))}"
-    for name in METHODS:
-        own = [row[name] for row in rows]
-        errors = [entry["error"] for entry in own if entry["error"] is not None]
-        cells = [name, f"{np.mean(errors):.2f}", f"{100 * np.mean([entry['complete'] for entry in own]):.0f} %"]
-        for tuner in TUNERS:
-            counts = [np.inf if count is None else count for entry in own for count in entry[tuner]]
-            cells.append(f"{100 * np.mean(np.isfinite(counts)):.0f} %, {np.median(counts):.3g}")
-        yield f"| {' | '.join(cells)} |"
+def judge_unseen(lesson: Lesson) -> Iterator[dict[str, Any]]:
+    """Guesses from the whole training set on another track."""
+    try:
+        course = course_for(prepare(lesson.race), tuners.build(TUNERS[0]))
+    except PlanningError:
+        yield {}
+        return
+    default = course.space.first_guess(len(course.segments))
+    methods = {name: METHODS[name] for name in UNSEEN_METHODS}
+    guesses = {name: default if method is None else guess_by(method, course, shipped()) for name, method in methods.items()}
+    found: dict[str, Any] = search(course, guesses, TUNERS[:1])
+    for name, guess in guesses.items():
+        found[name]["complete"] = complete(course, guess, 200)
+    yield found
+
+
+def left_out(kept: LinesFile, jobs: int) -> Iterator[str]:
+    """A table for each suite: a line a method."""
+    known = {(race.track, race.vehicle) for race in shipped().races}
+    asked = [one for one in lessons() if one.vehicle in VEHICLES.values() and (one.race.track.name, one.vehicle) in known]
+    done = run(kept, "left_out", asked, judge, jobs)
+    for suite, vehicle in VEHICLES.items():
+        every = [done[lesson.key] for lesson in asked if lesson.vehicle == vehicle]
+        rows = [row for row in every if row["default weights"]["tuned"]]
+        yield f"\n{suite}: {len(rows)} races that could be tuned, of {len(every)}\n"
+        yield f"| method | error | complete % | {' | '.join(TUNERS)} |\n|{'---|' * (3 + len(TUNERS))}"
+        for name in METHODS:
+            own = [row[name] for row in rows]
+            error, share = np.mean([entry["error"] for entry in own]), 100 * np.mean([entry["complete"] for entry in own])
+            counts = [[flights(count) for entry in own for count in entry[tuner]] for tuner in TUNERS]
+            cells = [f"{100 * np.mean(np.isfinite(own)):.0f} / {np.median(own):.3g}" for own in counts]
+            yield f"| {name} | {error:.2f} | {share:.0f} | {' | '.join(cells)} |"
+
+
+def unseen(kept: LinesFile, jobs: int) -> Iterator[str]:
+    """A table: suites and methods; how often a guess flies."""
+    asked = [
+        Lesson(race_of(vehicle, random_track(seed), speed), vehicle)
+        for vehicle, speed in (("hummingbird, late", 22.0), ("airsim", 18.0))
+        for seed in UNSEEN
+    ]
+    done = run(kept, "unseen", asked, judge_unseen, jobs)
+    heads = ("suite", "first guess", "tracks", "flies as it is", "holds as it is", "1 flight", "8 flights", f"{BUDGET} flights")
+    yield f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}"
+    for suite, vehicle in VEHICLES.items():
+        rows = [row for lesson in asked if lesson.vehicle == vehicle and (row := done[lesson.key])]
+        for name in UNSEEN_METHODS:
+            shares = np.array([row[name]["complete"] for row in rows])
+            counts = np.array([[flights(count) for count in row[name][TUNERS[0]]] for row in rows])
+            cells = [shares.mean(), (shares >= 0.95).mean(), *((counts <= most).mean() for most in (1, 8, BUDGET))]
+            yield f"| {suite} | {name} | {len(rows)} | {' | '.join(f'{100 * cell:.0f}' for cell in cells)} |"
+
+
+def flights(count: int | None) -> float:
+    """Infinite where nothing was confirmed."""
+    return np.inf if count is None else count
+
+
+def run(kept: LinesFile, part: str, asked: Sequence[Lesson], work: Callable[[Lesson], Iterator[Any]], jobs: int) -> dict[str, Any]:
+    """Judge what is not judged yet; results by the lessons' keys."""
+    mark = f"{part} {shipped().fingerprint}"
+    missing = [lesson for lesson in asked if f"{mark} {lesson.key}" not in kept.done]
+    for count, (lesson, found) in enumerate(spread(work, missing, jobs), 1):
+        kept.add(f"{mark} {lesson.key}", found)
+        print(f"{count} of {len(missing)}: {lesson.race.name} flown by {lesson.vehicle}", file=sys.stderr, flush=True)
+    return {lesson.key: kept.done[f"{mark} {lesson.key}"] for lesson in asked}
 
 
 def main() -> int:
-    """Judge what is not judged yet, and print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    """One part."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parts = {"left_out": left_out, "unseen": unseen}
+    parser.add_argument("part", choices=parts)
     parser.add_argument("--out", type=Path, default=Path("build/first-guess-study"))
     parser.add_argument("--jobs", type=int, default=0)
     options = parser.parse_args()
-    known = {(race.track, race.vehicle) for race in shipped().races}
-    asked = [one for one in lessons() if one.vehicle in VEHICLES.values() and (one.race.track.name, one.vehicle) in known]
-    mark = shipped().fingerprint
-    with LinesFile.opened(options.out) as kept:
-        missing = [lesson for lesson in asked if f"{mark} {lesson.key}" not in kept.done]
-        for lesson, found in spread(judge, missing, options.jobs):
-            kept.add(f"{mark} {lesson.key}", found)
-            print(f"{lesson.race.name} flown by {lesson.vehicle}", file=sys.stderr, flush=True)
-        for suite, vehicle in VEHICLES.items():
-            rows = [kept.done[f"{mark} {lesson.key}"] for lesson in asked if lesson.vehicle == vehicle]
-            print(f"\n{suite}: {len(rows)} races, leave one track out\n", *table(rows), sep="\n")
+    with LinesFile.opened(options.out / options.part) as kept:
+        for line in parts[options.part](kept, options.jobs):
+            print(line)
     return 0
 
 

