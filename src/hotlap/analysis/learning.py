@@ -106,8 +106,8 @@ class Tuned(Described):
         features: of the race, in the order of `RACE_FEATURES`.
         pieces: of its reference.
         optima: confirmed parameters of its tunings, K each.
-        tuned: their median in logarithms; None without any.
-        validated: share of fresh flights that it completes.
+        tuned: their median in logarithms or, where more flights of it pass every gate, one of them; None without any.
+        validated: share of fresh flights in which it does.
     """
 
     features: tuple[float, ...]
@@ -134,18 +134,25 @@ def tune_lesson(lesson: Lesson) -> Iterator[Tuned | None]:
     runs = [Tuning(tuners.build(TUNER), course, TuningSettings(seed=seed, **shared)) for seed in range(SEEDS)]
     for _ in tune_together(objective, runs):
         pass
-    optima = [run.best.parameters[0] for run in runs if run.best is not None and run.best.confirmed]  # all segments are alike
-    tuned = _rounded(np.exp(np.median(np.log(optima), axis=0))) if optima else None
-    rows = piece_features(course, PIECE_FEATURES)
+    confirmed = [run.best.parameters[0] for run in runs if run.best is not None and run.best.confirmed]  # all segments are alike
+    optima = tuple(map(_rounded, confirmed))
+    tuned, validated = _steadiest(objective, optima) if optima else (None, 0.0)
+    pieces, rows = course.segments.pieces, piece_features(course, PIECE_FEATURES)
     yield Tuned(
         features=_rounded(race_features(course, RACE_FEATURES)),
-        pieces=tuple(
-            TrainingPiece(kind=piece.kind, features=_rounded(row)) for piece, row in zip(course.segments.pieces, rows, strict=True)
-        ),
-        optima=tuple(map(_rounded, optima)),
+        pieces=tuple(TrainingPiece(kind=piece.kind, features=_rounded(row)) for piece, row in zip(pieces, rows, strict=True)),
+        optima=optima,
         tuned=tuned,
-        validated=float((_completions(objective, [tuned], VALIDATION) == 1).mean()) if tuned else 0.0,
+        validated=validated,
     )
+
+
+def _steadiest(objective: Objective, optima: Sequence[tuple[float, ...]]) -> tuple[tuple[float, ...], float]:
+    """The median of the optima in logarithms, or an optimum that passes every gate in more flights; and in which share of them."""
+    candidates = [_rounded(np.exp(np.median(np.log(optima), axis=0))), *optima]  # where there are several modes, the median is none
+    shares = (_completions(objective, candidates, VALIDATION) == 1).mean(axis=1)
+    best = int(np.argmax(shares))
+    return candidates[best], float(shares[best])
 
 
 def fly_lesson(work: tuple[Lesson, Sequence[tuple[float, ...]]]) -> Iterator[tuple[str, str]]:

@@ -46,7 +46,7 @@ class TrainingRace(Described):
         v_max: [m/s] of its plan; None where it was not bounded so.
         features: in the order of `TrainingSet.race_features`.
         pieces: of its reference.
-        tuned: K parameters, the same in all segments: the median over its tunings that were confirmed; None without any.
+        tuned: K parameters, the same in all segments: the steadiest of its tunings that were confirmed; None without any.
         validated: share of fresh flights in which `tuned` passes every gate; 0 without.
         own: indices of the candidates that come from its tunings.
         passed: a digit for each candidate: in how many of the flights it passed every gate.
