@@ -1,6 +1,7 @@
-"""The comparisons that the documents quote, each resumable: python benchmarks/comparison.py main|fifty|airsim|random|harder|confirm|guess|table3
+"""The comparisons that the documents quote, each resumable: python benchmarks/comparison.py PART
 
-Every tuner begins at the default weights, but for the parts guess and table3. A part keeps its runs in `--out`/PART (default: build/comparison), with tables and pictures.
+Parts: main, fifty, airsim, random, harder, confirm, ablation, guess, table3. Every tuner begins at the default weights, but for the last
+two. A part keeps its runs in `--out`/PART (default: build/comparison), with tables and pictures.
 """
 
 from __future__ import annotations
