@@ -1,7 +1,7 @@
 """The comparisons that the documents quote, each resumable: python benchmarks/comparison.py PART
 
-Parts: main, fifty, airsim, random, harder, confirm, ablation, guess, table3. Every tuner begins at the default weights, but for the last
-two. A part keeps its runs in `--out`/PART (default: build/comparison), with tables and pictures.
+Parts: main, fifty, airsim, random, harder, confirm, ablation, guess. Every tuner begins at the default weights, but for the last. A part
+keeps its runs in `--out`/PART (default: build/comparison), with tables and pictures.
 """
 
 from __future__ import annotations
@@ -32,11 +32,6 @@ SLOW = (
 ABLATION = tuple(f"guided_walk:{preset}" for preset in ("default", "segments", "independent", "sparse", "steady", "homely"))
 RIVALS = ("guided_walk", "cma_es:log", "cma_es:tied", "trust_region:default", "trust_region:tied", "trust_region:dense",
           "metropolis_hastings:paper", "metropolis_hastings:tied")  # fmt: skip
-GUESSES = ("default", "learned", "paper")
-TIED, UNTIED = (
-    ("guided_walk", "metropolis_hastings:tied"),
-    ("guided_walk:independent", "metropolis_hastings:untied_log", "metropolis_hastings:paper"),
-)
 RANDOM = {"default": ("circle-34", 22.0), "airsim": ("airsim-circle-34", 18.0)}  # suite: race to take the rest from, v_max
 UNSEEN = range(100, 110)  # seeds of random tracks on which nothing was developed, in each suite
 SINGLE = ("main", "fifty", "airsim", "ablation", "random", "harder", "guess")
@@ -74,18 +69,10 @@ def write_harder(folder: Path) -> list[str]:
     return paths
 
 
-def ablate(out: Path, guess: str, rule: str, rest: list[str]) -> int:
-    """Table III of the paper on all races: a first guess with a segmentation rule; with one segment, tied steps are the same thing."""
-    races = (*TABLE_I, *AIRSIM[:-1], "airsim-final-21")
-    tuners = UNTIED if rule == "none" else TIED + UNTIED
-    asked = [*races, "--tuners", ",".join(tuners), "--seeds", "20", "--budget", "300", "--segments", rule, "--first-guess", guess]
-    return hotlap(["compare", *asked, "--out", str(out), *rest])
-
-
 def main() -> int:
     """Run one part."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("part", choices=(*SINGLE, "confirm", "table3"))
+    parser.add_argument("part", choices=(*SINGLE, "confirm"))
     parser.add_argument("--out", type=Path, default=Path("build/comparison"))
     parser.add_argument("--quick", action="store_true", help="main: leave out tuners that take long to think")
     arguments, rest = parser.parse_known_args()
@@ -101,8 +88,6 @@ def main() -> int:
         "guess": lambda: [*TABLE_I, *hard, "--tuners", "guided_walk", "--seeds", "20", "--budget", "300", "--first-guess", "learned"],
         "harder": lambda: [*write_harder(out), "--tuners", "guided_walk,metropolis_hastings:tied,cma_es:tied", "--seeds", "10"],
     }
-    if arguments.part == "table3":
-        return max(ablate(out / f"{guess}-{rule}", guess, rule, rest) for guess in GUESSES for rule in ("paper", "none"))
     if arguments.part != "confirm":
         return hotlap(["compare", *parts[arguments.part](), "--out", str(out), *rest])
     asked = [*TABLE_I, *AIRSIM[1:6], "--tuners", "guided_walk", "--seeds", "20", "--budget", "500", "--validation", "200"]

@@ -66,39 +66,11 @@ def _place(race: str) -> int:
     return RACES.index(plain) if plain in RACES else len(RACES)
 
 
-def ablation(folder: Path) -> str:
-    """Table III of the paper: a row for each first guess, segmentation and tuner; a column for each suite."""
-    heads = ("first guess", "segments", "tuner", "default suite", "qualifier-20", "airsim", "airsim-qualifier-20")
-    lines = [f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}"]
-    for part in sorted(entry for entry in folder.iterdir() if entry.is_dir()):
-        guess, _, rule = part.name.partition("-")
-        runs = list(RunsFile(part).done.values())
-        for tuner in dict.fromkeys(run.tuner for run in runs):
-            own = [run for run in runs if run.tuner == tuner]
-            suites = [[run for run in own if run.race.startswith("airsim") is airsim] for airsim in (False, True)]
-            groups = [group for suite in suites for group in (suite, [run for run in suite if run.race.endswith("qualifier-20")])]
-            cells = [_with_intervals(summarise("", tuner, group)) for group in groups]
-            lines.append(f"| {' | '.join((guess, rule, tuner, *cells))} |")
-    return "\n".join(lines)
-
-
-def _with_intervals(row: Row) -> str:
-    """95 [90, 97] / 12 [8, 20]: success and median search flights, each with 95 %."""
-    low, high = (100 * end for end in row.success_interval)
-    first, last = (f"{end:.0f}" if math.isfinite(end) else "-" for end in row.flights_interval)
-    middle = f"{row.flights_median:.0f}" if math.isfinite(row.flights_median) else "-"
-    return f"{100 * row.success_rate:.0f} [{low:.0f}, {high:.0f}] / {middle} [{first}, {last}]"
-
-
 def main() -> None:
     """Print them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    folder = parser.parse_args().folder
-    if folder.name == "table3":
-        print(ablation(folder))
-        return
-    done = RunsFile(folder).done
+    done = RunsFile(parser.parse_args().folder).done
     latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # what was flown with other settings is out of date
     runs = [run for (key, _), run in done.items() if latest[run.race, run.tuner] == key]
     names = sorted(dict.fromkeys(run.race for run in runs), key=_place)

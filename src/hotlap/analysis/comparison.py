@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from multiprocessing import parent_process
 from typing import Any
 
@@ -48,7 +49,7 @@ class Cell:
     segments: Rule = Rule.PAPER
     first_guess: str = DEFAULT
 
-    @property
+    @cached_property
     def key(self) -> str:
         """Changes whenever something changes that decides about a run, its seed apart."""
         tuner = tuners.build(self.tuner)

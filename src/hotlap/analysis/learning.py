@@ -129,7 +129,7 @@ def tune_lesson(lesson: Lesson) -> Iterator[Tuned | None]:
     except PlanningError:
         yield None
         return
-    objective = Objective(course, _world())
+    objective = Objective(course, built_in_world())
     shared = {"budget": BUDGET, "confirm": CONFIRM, "validation": 0, "reliability": 0.0}
     runs = [Tuning(tuners.build(TUNER), course, TuningSettings(seed=seed, **shared)) for seed in range(SEEDS)]
     for _ in tune_together(objective, runs):
@@ -158,7 +158,7 @@ def _steadiest(objective: Objective, optima: Sequence[tuple[float, ...]]) -> tup
 def fly_lesson(work: tuple[Lesson, Sequence[tuple[float, ...]]]) -> Iterator[tuple[str, str]]:
     """Candidates flown in a race, all with the same noise: digits of the flights that passed every gate, and of completion."""
     lesson, candidates = work
-    completion = _completions(Objective(prepare(lesson.race), _world()), candidates, FLIGHTS)
+    completion = _completions(Objective(prepare(lesson.race), built_in_world()), candidates, FLIGHTS)
     passed, completed = (completion == 1).sum(axis=1), np.floor(completion.mean(axis=1) * DIGITS + 1e-9).astype(int)
     yield "".join(map(str, passed.tolist())), "".join(map(str, completed.tolist()))
 
@@ -208,7 +208,7 @@ def _completions(objective: Objective, candidates: Sequence[Sequence[float]], fl
     return objective.fly(np.repeat(one, flights, axis=0), seeds).completion.reshape(len(candidates), flights)
 
 
-def _world() -> World:
+def built_in_world() -> World:
     """The built-in one; with one thread where there is a worker for each processor."""
     world = BuiltIn()
     if parent_process() is not None:

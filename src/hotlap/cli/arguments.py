@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from hotlap.cli.parser import Parser, fraction, one_of, path, whole
 
 KINDS = ("race", "track", "quadrotor")
 RULES = ("paper", "released_1m", "released_3m", "none", "equal_time", "automatic")
 GUESSES = ("learned", "paper", "default")
+REPRODUCED = Path("runs/reproduced")
+EXPERIMENTS = ("table1", "table2", "table3", "landscape", "experts", "robustness", "initialisations")
 GOALS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
 
 
@@ -149,6 +152,21 @@ def _learn(parser: Parser) -> None:
     add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
 
 
+def _reproduce(parser: Parser) -> None:
+    add = parser.add_argument
+    names = one_of("experiment", (*EXPERIMENTS, "all"))
+    add("experiment", metavar="NAME", type=names, help=f"{', '.join(EXPERIMENTS)} or all")
+    add("--quick", action="store_true", help="the short form, under a minute each: other races, fewer seeds")
+    add(
+        "--out",
+        type=path,
+        default=REPRODUCED,
+        metavar="DIR",
+        help=f"folder of the pages, begun or gone on with (default: {REPRODUCED})",
+    )
+    add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
+
+
 def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
@@ -202,6 +220,13 @@ COMMANDS: Mapping[str, Command] = {
         "it is done; the same command goes on where it was interrupted.",
         _learn,
         ("hotlap learn my-race.toml my-other-race.toml --out runs/learnt", "hotlap learn --out runs/learnt"),
+    ),
+    "reproduce": Command(
+        "repeat the paper's experiments",
+        "Repeat the tables and figures of AutoTune with seeds and intervals, and set them beside the published values. Every run is kept\n"
+        "when it has ended; the same command goes on where it was interrupted.",
+        _reproduce,
+        ("hotlap reproduce experts", "hotlap reproduce all --quick --out runs/quick"),
     ),
     "bench": Command("measure the flight core", "Measure how fast the flight core flies on this machine.", _bench, ()),
 }

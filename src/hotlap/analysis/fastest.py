@@ -1,0 +1,172 @@
+"""Fastest: the plan that can be flown soonest, and the parameters that fly it.
+
+A clocked reference fixes the lap, so parameters alone hardly move it. Around the tuning there is a search over what the planner may use:
+v_max, how far from a gate it may pass, and how much thrust it may spend. A faster plan leaves less to correct with; the fastest one whose
+controller still holds is what is looked for. Compass search (Kolda, Lewis, Torczon, SIAM Review 45, 2003): from the best plan so far a
+step both ways along each axis, in logarithms; the best of those that hold is the next centre, and where there is none, steps are halved.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hotlap import tuners
+from hotlap.analysis.learning import built_in_world
+from hotlap.errors import HotlapError
+from hotlap.first_guess.guess import first_guess
+from hotlap.objective import Objective
+from hotlap.preparation import prepare
+from hotlap.race import Race
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+
+RELIABLE = 0.95  # least validated rate
+STEPS = {"v_max": 0.3, "tolerance": 0.5, "thrust": 0.05}  # first ones, in natural logarithms
+HALVINGS = 3  # of the steps, before it ends
+NEAREST_GATE = 0.9  # share of the judge's distance that a plan may pass a gate at
+
+
+Do = Callable[[Mapping[str, "Trial"]], Mapping[str, dict[str, Any]]]
+
+
+@dataclass(frozen=True)
+class Knobs:
+    """What the planner may use, beside a race's own settings.
+
+    Attributes:
+        v_max: [m/s] of its drag; None where the race does not say.
+        tolerance: [m] how far from a gate it may pass.
+        thrust: factor on the largest rotor thrust that it may plan with.
+    """
+
+    v_max: float | None
+    tolerance: float
+    thrust: float = 1.0
+
+    @property
+    def key(self) -> str:
+        """Rounded, so that a step there and back is where it began."""
+        return f"v_max {'-' if self.v_max is None else f'{self.v_max:.4g}'}, tolerance {self.tolerance:.4g}, thrust {self.thrust:.4g}"
+
+    def moved(self, axis: str, factor: float) -> Knobs:
+        """One of them multiplied."""
+        return replace(self, **{axis: getattr(self, axis) * factor})
+
+    def applied(self, race: Race) -> Race:
+        """The race planned so."""
+        planned = race.planned
+        low, high = planned.rotor_thrust
+        stronger = planned.model_copy(update={"rotor_thrust": (low, high * self.thrust)})
+        planning = race.planning.model_copy(update={"v_max": self.v_max, "tolerance": self.tolerance, "quadrotor": stronger})
+        return race.model_copy(update={"planning": planning})
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A plan to try.
+
+    Attributes:
+        race: what is flown, with its own planning.
+        knobs: what is planned with.
+        tuner: algorithm with preset.
+        settings: of the tuning; its validation and reliability decide about what holds.
+        begin: K parameters to begin with, those of the best plan so far; None for the learned guess.
+    """
+
+    race: Race
+    knobs: Knobs
+    tuner: str
+    settings: TuningSettings
+    begin: tuple[float, ...] | None = None
+
+
+def first_knobs(race: Race) -> Knobs:
+    """The race's own."""
+    return Knobs(race.planning.v_max, race.planning.tolerance)
+
+
+def neighbours(race: Race, centre: Knobs, shrunk: float) -> list[Knobs]:
+    """A step both ways along each axis, as far as the gates and the vehicle allow."""
+    low, high = race.planned.rotor_thrust
+    most = race.vehicle.rotor_thrust[1] / high
+    found = []
+    for axis, step in STEPS.items():
+        if getattr(centre, axis) is None:
+            continue
+        for sign in (1, -1):
+            moved = centre.moved(axis, math.exp(sign * step * shrunk))
+            moved = replace(moved, tolerance=min(moved.tolerance, NEAREST_GATE * race.judge.distance), thrust=min(moved.thrust, most))
+            if moved.key != centre.key and low < high * moved.thrust:
+                found.append(moved)
+    return found
+
+
+def try_plan(trial: Trial) -> Iterator[dict[str, Any]]:
+    """Plan, tune and validate: lap [s] as flown, validated rate, parameters; a reason where there is no plan."""
+    try:
+        course = course_for(prepare(trial.knobs.applied(trial.race)), tuners.build(trial.tuner))
+    except HotlapError as error:
+        yield {"lap": None, "rate": 0.0, "planned": None, "flights": 0, "parameters": None, "reason": str(error)}
+        return
+    count = len(course.segments)
+    guess = first_guess(course) if trial.begin is None else np.tile(trial.begin, (count, 1))
+    tuning = Tuning(tuners.build(trial.tuner), course, trial.settings, guess)
+    objective = Objective(course, built_in_world())
+    for _ in tune_together(objective, [tuning]):
+        pass
+    assert tuning.best is not None  # noqa: S101  it has flown
+    best = tuning.best.parameters
+    seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, 0, max(trial.settings.validation, 1))
+    scores = objective.fly(np.repeat(best[None], len(seeds), axis=0), seeds)
+    rate = float(scores.complete.mean())
+    lap = float(np.nanmean(scores.lap_time)) if scores.complete.any() else None
+    planned = course.reference.lap_time
+    yield {"lap": lap, "rate": rate, "planned": planned, "flights": tuning.flights, "parameters": best.tolist(), "reason": ""}
+
+
+def holds(result: dict[str, Any]) -> bool:
+    """Whether what was tried counts."""
+    return result["lap"] is not None and result["rate"] >= RELIABLE
+
+
+def best_of(results: Sequence[tuple[Knobs, dict[str, Any]]]) -> tuple[Knobs, dict[str, Any]] | None:
+    """The soonest that holds; the first among equals."""
+    good = [pair for pair in results if holds(pair[1])]
+    return min(good, key=lambda pair: pair[1]["lap"]) if good else None
+
+
+def fastest(race: Race, tuner: str, settings: TuningSettings, do: Do, most_rounds: int = 40) -> tuple[Knobs, dict[str, Any]] | None:
+    """The search; None where no plan can be flown that holds.
+
+    Args:
+        race: its planning is where the search begins; where that cannot be flown, slower plans come first.
+        tuner: algorithm with preset.
+        settings: of each tuning.
+        do: tries plans, by keys, and gives what `try_plan` says of each.
+        most_rounds: of trials, before it ends.
+    """
+    centre, shrunk, best = first_knobs(race), 1.0, None
+    trials, tried = {centre.key: Trial(race, centre, tuner, settings)}, {centre.key}
+    for _ in range(most_rounds):
+        done = do(trials)
+        results = [(trial.knobs, done[key]) for key, trial in trials.items()]
+        found = best_of(results)
+        if found and (best is None or found[1]["lap"] < best[1]["lap"]):
+            best, centre = found, found[0]
+        elif best is None:
+            planned = [(knobs, result) for knobs, result in results if result["planned"] is not None]
+            centre = max(planned, key=lambda pair: (pair[1]["rate"], pair[1]["planned"]), default=(centre, {}))[0]
+        else:
+            shrunk /= 2
+        if shrunk < 2.0**-HALVINGS:
+            break
+        begin = None if best is None else tuple(best[1]["parameters"][0])
+        around = [knobs for knobs in neighbours(race, centre, shrunk) if knobs.key not in tried]
+        trials = {f"{knobs.key}, after {centre.key}": Trial(race, knobs, tuner, settings, begin) for knobs in around}
+        tried |= {knobs.key for knobs in around}
+    return best

@@ -1,0 +1,65 @@
+"""Landscape: completion as a function of two parameters, the others held."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.analysis.learning import built_in_world
+from hotlap.course import Course
+from hotlap.objective import Objective
+from hotlap.preparation import prepare
+from hotlap.race import Race
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.worlds.world import World
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Landscape:
+    """A map.
+
+    Attributes:
+        race: what is flown.
+        x, y: names of the parameters that vary, the same in all segments.
+        points: along each, evenly in logarithms from bound to bound.
+        flights: at each point, with the same noise at all of them.
+        held: K parameters, of which the others are taken; empty for the controller's default.
+    """
+
+    race: Race
+    x: str
+    y: str
+    points: int = 50
+    flights: int = 4
+    held: tuple[float, ...] = ()
+
+
+def axes(course: Course, wanted: Landscape) -> tuple[Floats, Floats]:
+    """Values along x and y, shape (points,)."""
+    space = course.space
+    pair = [space.names.index(name) for name in (wanted.x, wanted.y)]
+    ends = [(space.low[i], space.high[i]) for i in pair]
+    return np.geomspace(*ends[0], wanted.points), np.geomspace(*ends[1], wanted.points)
+
+
+def survey(course: Course, world: World, wanted: Landscape) -> Floats:
+    """Mean completion, 0 to 1, shape (points, points): a row for each y, a column for each x."""
+    space = course.space
+    x, y = axes(course, wanted)
+    grid = np.tile(np.array(wanted.held) if wanted.held else space.default, (wanted.points, wanted.points, 1))
+    grid[:, :, space.names.index(wanted.x)] = x
+    grid[:, :, space.names.index(wanted.y)] = y[:, None]
+    flat = np.repeat(grid.reshape(-1, 1, space.size), len(course.segments), axis=1)
+    seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, wanted.flights), len(flat))
+    completion = Objective(course, world).fly(np.repeat(flat, wanted.flights, axis=0), seeds).completion
+    return completion.reshape(wanted.points, wanted.points, wanted.flights).mean(axis=2)
+
+
+def draw_survey(wanted: Landscape) -> Iterator[list[list[float]]]:
+    """The same as a piece of work, rounded to a thousandth."""
+    yield np.round(survey(prepare(wanted.race), built_in_world(), wanted), 3).tolist()

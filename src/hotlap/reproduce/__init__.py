@@ -1,0 +1,1 @@
+"""Reproduce: the paper's experiments, flown again and set beside its figures."""

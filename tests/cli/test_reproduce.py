@@ -1,0 +1,42 @@
+"""`hotlap reproduce`, with real flights: every experiment has a short form, and a page."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+from hotlap.cli import main
+from hotlap.cli.arguments import EXPERIMENTS as NAMED
+from hotlap.reproduce.experiments import EXPERIMENTS
+from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE, RACES, TABLE_I
+
+
+def test_what_can_be_asked_is_what_there_is():
+    assert tuple(EXPERIMENTS) == NAMED
+
+
+def test_the_published_figures_are_whole():
+    assert {len(row) for row in TABLE_I.values()} == {len(RACES)}
+    assert len(AUTOTUNE_CURVE) == len(EXPERTS_CURVE) == len(EXPERTS_BAND) == 25
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, capsys):
+    command = ["reproduce", name, "--quick", "--jobs", "1", "--out", str(tmp_path), "--json"]
+    assert main(command) == 0
+    first = json.loads(capsys.readouterr().out)["experiments"][name]
+    page = (tmp_path / name / "page.md").read_text(encoding="utf-8")
+    assert page.startswith("# ")
+    assert "nan" not in page
+    assert re.search(r"^\|.*\|$", page, re.MULTILINE)
+    pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", page)
+    assert [str(tmp_path / name / picture) for picture in pictures] == first["pictures"]
+    for picture in pictures:
+        assert (tmp_path / name / picture).read_bytes().startswith(b"\x89PNG")
+    assert main(command) == 0
+    again = capsys.readouterr()
+    assert json.loads(again.out)["experiments"][name] == first
+    assert (tmp_path / name / "page.md").read_text(encoding="utf-8") == page
+    assert "now" not in again.err
