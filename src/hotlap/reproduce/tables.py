@@ -195,7 +195,8 @@ def table3(context: Context) -> Page:
     page = Page("Table III: ablation")
     page.say(
         "Share of runs that confirmed a controller [%] and median search flights, within 300 flights, with 95 % intervals; 20 seeds on "
-        "each of the seven races of a suite (airsim with final-21 in place of final-22, which is beyond the vehicle). The paper, on Qualifier: "
+        "each of the seven races of a suite (airsim with final-21 in place of final-22, which is beyond the vehicle). The paper, on "
+        "Qualifier: "
         f"{'; '.join(f'{name} {value} %, {flights} flights' for name, (value, flights) in TABLE_III.items())}."
     )
     page.table(
