@@ -22,7 +22,11 @@ from hotlap.segmentation import SegmentClass, Segments
 from hotlap.tuning import TuningSettings
 
 MAY_DIFFER = ("budget", "provenance")  # a study may be given a larger budget; where numbers come from does not change a flight
-LATER = {"race.controller.handover": "time", "race.controller.handover_distance": 6.0}  # keys that older studies lack: what they flew with
+LATER = {  # keys that older studies lack: what they flew with
+    "race.controller.handover": "time",
+    "race.controller.handover_distance": 6.0,
+    "tuner.apart": True,
+}
 
 
 @dataclass(frozen=True)

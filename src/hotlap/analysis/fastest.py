@@ -75,7 +75,7 @@ class Trial:
         knobs: what is planned with.
         tuner: algorithm with preset.
         settings: of the tuning; its validation and reliability decide about what holds.
-        begin: K parameters to begin with, those of the best plan so far; None for the learned guess.
+        begin: K parameters to begin with, the mean over segments of those of the best plan so far; None for the learned guess.
     """
 
     race: Race
@@ -165,7 +165,7 @@ def fastest(race: Race, tuner: str, settings: TuningSettings, do: Do, most_round
             shrunk /= 2
         if shrunk < 2.0**-HALVINGS:
             break
-        begin = None if best is None else tuple(best[1]["parameters"][0])
+        begin = None if best is None else tuple(np.exp(np.log(best[1]["parameters"]).mean(axis=0)).tolist())
         around = [knobs for knobs in neighbours(race, centre, shrunk) if knobs.key not in tried]
         trials = {f"{knobs.key}, after {centre.key}": Trial(race, knobs, tuner, settings, begin) for knobs in around}
         tried |= {knobs.key for knobs in around}

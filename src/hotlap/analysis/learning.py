@@ -32,7 +32,7 @@ from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
 from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.world import World
 
-TUNER = "guided_walk"
+TUNER = "guided_walk:tied"  # one set for all segments, so that it can be flown on any reference
 SEEDS = 3  # tunings of each race
 BUDGET, CONFIRM, VALIDATION = 300, 10, 50
 FLIGHTS = 8  # of each candidate in each race
@@ -134,7 +134,7 @@ def tune_lesson(lesson: Lesson) -> Iterator[Tuned | None]:
     runs = [Tuning(tuners.build(TUNER), course, TuningSettings(seed=seed, **shared)) for seed in range(SEEDS)]
     for _ in tune_together(objective, runs):
         pass
-    confirmed = [run.best.parameters[0] for run in runs if run.best is not None and run.best.confirmed]  # all segments are alike
+    confirmed = [run.best.parameters[0] for run in runs if run.best is not None and run.best.confirmed]
     optima = tuple(map(_rounded, confirmed))
     tuned, validated = _steadiest(objective, optima) if optima else (None, 0.0)
     pieces, rows = course.segments.pieces, piece_features(course, PIECE_FEATURES)

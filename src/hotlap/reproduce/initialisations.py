@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
@@ -42,11 +43,11 @@ class Start:
 
 @dataclass(frozen=True)
 class Line:
-    """A straight line in logarithms between two sets of K parameters."""
+    """A straight line in logarithms between two sets of parameters, shape (S, K)."""
 
     race: str
-    one: tuple[float, ...]
-    other: tuple[float, ...]
+    one: tuple[tuple[float, ...], ...]
+    other: tuple[tuple[float, ...], ...]
 
 
 def search(wanted: Start) -> Iterator[dict[str, Any]]:
@@ -64,16 +65,16 @@ def search(wanted: Start) -> Iterator[dict[str, Any]]:
             now = np.exp(np.log(parameters).mean(axis=0)) if accepted else now
             trace.append([float(f"{value:.4g}") for value in now])
     confirmed = run.best is not None and run.best.confirmed
-    found = np.exp(np.log(run.best.parameters).mean(axis=0)).tolist() if run.best is not None and confirmed else None
+    found = run.best.parameters.tolist() if run.best is not None and confirmed else None
     yield {"flights": run.search_flights if confirmed else None, "found": found, "trace": trace[:: max(1, len(trace) // 1000)]}
 
 
 def walk(wanted: Line) -> Iterator[list[float]]:
     """Mean completion at places along the line."""
     course = prepare(load_race(wanted.race))
-    share = np.linspace(0, 1, PLACES)[:, None]
+    share = np.linspace(0, 1, PLACES)[:, None, None]
     values = np.exp((1 - share) * np.log(wanted.one) + share * np.log(wanted.other))
-    each = np.repeat(np.repeat(values[:, None], len(course.segments), axis=1), FLIGHTS, axis=0)
+    each = np.repeat(values, FLIGHTS, axis=0)
     seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, FLIGHTS), PLACES)
     completion = Objective(course, built_in_world()).fly(each, seeds).completion
     yield completion.reshape(PLACES, FLIGHTS).mean(axis=1).tolist()
@@ -140,10 +141,11 @@ def _describe(context: Context, page: Page, race: str, starts: Any, chains: Any,
         space.high,
     )
     page.picture(path, "parameters over flights")
-    optima = [tuple(found[key]["found"]) for key, one in starts.items() if one.race == race and found[key]["found"]]
+    optima = [tuple(map(tuple, found[key]["found"])) for key, one in starts.items() if one.race == race and found[key]["found"]]
     if len(optima) > 1:
         pairs = list(combinations(range(len(optima)), 2))[:: max(1, len(optima) * (len(optima) - 1) // 2 // 60)]
-        lines = {f"{race}: {optima[i]} to {optima[j]}": Line(race, optima[i], optima[j]) for i, j in pairs}
+        mark = hashlib.sha256(repr(optima).encode()).hexdigest()[:8]
+        lines = {f"{race}, optima {mark}: {i} to {j}": Line(race, optima[i], optima[j]) for i, j in pairs}
         shares = np.array(list(context.each("lines", lines, walk).values()))
         inside = shares[:, 1:-1].min(axis=1)
         factors = ", ".join(f"{factor:.1f} in {name}" for name, factor in zip(space.names, _spread(optima), strict=True))
@@ -172,9 +174,9 @@ def _describe(context: Context, page: Page, race: str, starts: Any, chains: Any,
     page.say(f"Gelman and Rubin's ratio over the chains: {shown}; below {CONVERGED} they agree. They {agreed}.")
 
 
-def _spread(optima: list[tuple[float, ...]]) -> Floats:
-    """Factor from the 10th to the 90th percentile, shape (K,)."""
-    low, high = np.percentile(np.array(optima), (10, 90), axis=0)
+def _spread(optima: list[tuple[tuple[float, ...], ...]]) -> Floats:
+    """Factor from the 10th to the 90th percentile of means over segments, shape (K,)."""
+    low, high = np.percentile(np.exp(np.log(np.array(optima)).mean(axis=1)), (10, 90), axis=0)
     return high / low
 
 

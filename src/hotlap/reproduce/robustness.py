@@ -20,7 +20,7 @@ from hotlap.reproduce.published import RACES
 from hotlap.seeds import Stream, flight_seeds
 from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
 
-TUNER = "guided_walk"  # one set for all segments, so that it can be flown on any layout
+TUNER = "guided_walk:tied"  # one set for all segments, so that it can be flown on any layout
 FLIGHTS = 50
 
 

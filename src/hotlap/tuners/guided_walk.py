@@ -1,6 +1,7 @@
 """Guided walk: hotlap's own tuner, a random walk around the best point known, guided by a Gaussian process.
 
-1. Steps are Gaussian in logarithms and the same in all segments, or nearly so: five numbers are found sooner than thirty-five.
+1. Steps are Gaussian in logarithms and the same in all segments: five numbers are found sooner than thirty-five. Only half of the
+   candidates, those that move along some axes and not along others, part the segments, a little at a time.
 2. Costs are dense: they tell by how much each gate was missed (`Scores.dense`), so that one flight says as much as it can.
 3. After some steps, candidates around the visited point of lowest posterior mean are judged by mean - k sd; steps are of all
    sizes, and k differs from flight to flight, so that the walk neither freezes nor roams.
@@ -41,6 +42,7 @@ class Settings:
     Attributes:
         step: standard deviation of a step, in natural logarithms times the space's `log_step`.
         correlation: of the steps of two segments; 1 moves all alike, 0 each by itself.
+        apart: whether what moves along some axes only chooses them for each segment; else for all alike.
         opening: flights around the best one, before the process guides.
         leaps: share of the flights that leave from another good point.
         roams: share of the first flights anywhere within the bounds, the same in all segments.
@@ -49,6 +51,7 @@ class Settings:
 
     step: float = 0.6
     correlation: float = 1.0
+    apart: bool = True
     opening: int = 5
     leaps: float = 0.25
     roams: float = 0.2
@@ -57,6 +60,7 @@ class Settings:
 
 PRESETS: Mapping[str, Settings] = {
     "default": Settings(),
+    "tied": Settings(apart=False),
     "segments": Settings(correlation=0.9),
     "independent": Settings(correlation=0.0),
     "sparse": Settings(dense=False),
@@ -161,12 +165,18 @@ class GuidedWalk:
             return points[int(self._rng.choice(good))] + size * self._steps(1)[0]
         sizes = self.settings.step * np.exp(self._rng.uniform(*STEP_SIZES, (POOL, 1)))
         steps = sizes * self._steps(POOL)
-        kept = self._rng.random((POOL // 2, steps.shape[1])) < 0.5  # half of the candidates move along some axes only
-        steps[POOL // 2 :] *= kept
+        steps[POOL // 2 :] *= self._some_axes(POOL - POOL // 2)
         pool = self._mirror(points[int(np.argmin(means))] + steps)
         mean, deviation = posterior.predict(pool)
         k = math.exp(self._rng.uniform(*EAGERNESS))
         return pool[int(np.argmin(mean - k * deviation))]
+
+    def _some_axes(self, count: int) -> NDArray[np.bool_]:
+        """Half of the axes, by chance, shape (count, S K)."""
+        segments, size = self._shape_of_parameters
+        if self.settings.apart:
+            return self._rng.random((count, segments * size)) < 0.5
+        return np.tile(self._rng.random((count, size)) < 0.5, (1, segments))
 
     def _anywhere(self) -> Floats:
         """A point drawn evenly from the logarithms within the bounds, the same in all segments."""
