@@ -93,7 +93,7 @@ def _tune(parser: Parser) -> None:
     _race(parser)
     add = parser.add_argument
     add("--tuner", default="guided_walk", metavar="NAME", help="NAME or NAME:PRESET (default: guided_walk)")
-    add("--goal", default="completion=1", help=f"when to stop: {GOALS} (default: completion=1)")
+    add("--goal", default="completion=1", help=f"when to stop: {GOALS}; or lap_time: the fastest plan that holds (default: completion=1)")
     add("--budget", type=whole, default=200, metavar="N", help="flights at most, re-flights included (default: 200)")
     add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")
     add("--out", type=path, metavar="DIR", help="folder of the study, begun or gone on with (default: runs/RACE-DATE, new)")

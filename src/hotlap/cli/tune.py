@@ -26,12 +26,18 @@ from hotlap.study import Study, carry_out, new_folder
 from hotlap.tuning import TuningSettings, course_for
 from hotlap.worlds.world import World
 
+LAP_TIME = "lap_time"  # a goal that is not reached by parameters alone
+
 if TYPE_CHECKING:
     from hotlap.analysis.hold import Hold
 
 
 def run(options: Namespace) -> int:
     """Tune, and say how it ended: 1 where the goal was not confirmed within the budget."""
+    if options.goal.strip() == LAP_TIME:
+        from hotlap.cli import fastest  # noqa: PLC0415  the search for plans is work of its own
+
+        return fastest.run(options)
     world, configuration = _configure(options)
     folder = new_folder(configuration.course.race.name) if options.out is None else options.out
     with remark(f"nothing is lost; go on with: {_continuing(options, folder)}"), Study.open(folder, configuration) as study:

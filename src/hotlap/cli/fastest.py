@@ -1,0 +1,100 @@
+"""`hotlap tune RACE --goal lap_time`: the fastest plan that can be flown, and the parameters that fly it."""
+
+from __future__ import annotations
+
+import shlex
+from argparse import Namespace
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from hotlap import __version__, tuners, worlds
+from hotlap.analysis.fastest import RELIABLE, Knobs, Trial, fastest, first_knobs, try_plan
+from hotlap.cli.flying import load, make_ready
+from hotlap.cli.output import facts, note, percent, present, seconds
+from hotlap.cli.progress import follow_pieces
+from hotlap.cli.stopping import remark
+from hotlap.errors import InputError, StudyError
+from hotlap.files import PARAMETERS_FILE, save, save_parameters
+from hotlap.first_guess.guess import LEARNED
+from hotlap.preparation import prepare
+from hotlap.race import Race
+from hotlap.reproduce.context import Context
+from hotlap.saved_parameters import SavedParameters
+from hotlap.segmentation import Rule
+from hotlap.study import new_folder
+from hotlap.tuning import TuningSettings
+from hotlap.validation import Validation
+
+GOAL = "lap_time"
+RACE_FILE = "race.toml"
+ROUNDS = 40  # of plans tried around the best so far
+FIXED = {"reference": None, "first_guess": LEARNED, "segments": Rule.PAPER, "on": worlds.DEFAULT, "randomise": 0.0}
+
+
+def run(options: Namespace) -> int:
+    """Search plans, and write the best as a race with its parameters: 1 where none can be flown reliably."""
+    for name, value in FIXED.items():
+        if getattr(options, name) != value:
+            raise InputError(f"--{name.replace('_', '-')}", "", "has no meaning for --goal lap_time, which looks for a plan of its own")
+    names = ("budget", "seed", "confirm", "batch")
+    settings = TuningSettings(
+        **{name: getattr(options, name) for name in names}, reliability=RELIABLE, validation=options.validation or 200
+    )
+    tuner, race = tuners.build(options.tuner).name, load(options)
+    folder = new_folder(race.name) if options.out is None else options.out
+    if folder.exists() and not folder.is_dir():
+        raise StudyError(str(folder), "", "is a file, not the folder of a study")
+    words = ["hotlap", "tune", *options.arguments, *([] if options.out is not None else ["--out", str(folder)])]
+    with remark(f"nothing is lost; go on with: {shlex.join(words)}"):
+        make_ready(worlds.build(options.on), prepare(race))
+        context, mark = Context(folder, quick=False, jobs=0, progress=follow_pieces), f"{race.fingerprint} {tuner} {settings}"
+
+        def do(trials: Mapping[str, Trial]) -> dict[str, Any]:
+            found = context.each("plans", {f"{mark}: {key}": trial for key, trial in trials.items()}, try_plan)
+            return {key: found[f"{mark}: {key}"] for key in trials}
+
+        best = fastest(race, tuner, settings, do, ROUNDS)
+    if best is None:
+        note(f"hotlap: {race.name}: no plan was found that passes every gate in {percent(RELIABLE)} of the flights")
+        return 1
+    _present(options, race, folder, best, settings)
+    return 0
+
+
+def _present(options: Namespace, race: Race, folder: Any, best: tuple[Knobs, dict[str, Any]], settings: TuningSettings) -> None:
+    """Write the race and its parameters, and say how fast it is."""
+    knobs, found = best
+    planned = knobs.applied(race).model_copy(update={"name": f"{race.name}-fastest"})
+    save(folder / RACE_FILE, planned)
+    course, first = prepare(planned), prepare(first_knobs(race).applied(race))
+    validation = Validation(settings.validation, round(found["rate"] * settings.validation))
+    low, high = validation.interval
+    known = {"hotlap": __version__, "goal": GOAL, "seed": settings.seed, "lap_time": found["lap"], "validated_rate": validation.rate}
+    values = np.array(found["parameters"])
+    save_parameters(folder / PARAMETERS_FILE, SavedParameters(planned.name, course.space.names, course.segments, values, known))
+    document = {
+        "race": race.name,
+        "goal": GOAL,
+        "lap_time": found["lap"],
+        "planned_before": first.reference.lap_time,
+        "plan": {"v_max": knobs.v_max, "tolerance": knobs.tolerance, "thrust": knobs.thrust},
+        "validation": {**vars(validation), "rate": validation.rate, "low": low, "high": high},
+        "study": str(folder),
+        "race_file": str(folder / RACE_FILE),
+        "parameters": str(folder / PARAMETERS_FILE),
+    }
+    lines = [
+        f"{race.name}: {seconds(found['lap'])}, where the race's own plan takes {seconds(first.reference.lap_time)}",
+        *facts(
+            {
+                "holds in": f"{validation.successes} of {validation.flights} flights ({100 * low:.0f} to {100 * high:.0f} %)",
+                "plan": knobs.key,
+                "largest speed": f"{course.reference.max_speed:.1f} m/s",
+                "study": str(folder),
+            }
+        ),
+        f"fly it again: {shlex.join(['hotlap', 'fly', str(folder / RACE_FILE), '--parameters', str(folder)])}",
+    ]
+    present(as_json=options.json, document=document, lines=lines)
