@@ -25,7 +25,7 @@ tune: $(VENV)/.hotlap
 	$(BIN)/hotlap tune $(RACE) $(ARGS)
 
 test: $(VENV)/.test
-	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+	$(BIN)/python -m pytest -m "not slow" -n auto --dist worksteal $(ARGS)
 
 studies: $(VENV)/.test
 	$(BIN)/python -m pytest -m slow $(ARGS)

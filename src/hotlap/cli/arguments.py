@@ -145,6 +145,18 @@ def _compare(parser: Parser) -> None:
     _world(parser)
 
 
+def _landscape(parser: Parser) -> None:
+    _race(parser)
+    add = parser.add_argument
+    add("--x", default="Q_pos_xy", metavar="NAME", help="parameter along the map (default: Q_pos_xy)")
+    add("--y", default="horizon", metavar="NAME", help="parameter across it (default: horizon)")
+    add("--points", type=whole, default=50, metavar="N", help="along each, evenly in logarithms (default: 50)")
+    add("--flights", type=whole, default=4, metavar="N", help="at each point, with the same noise at all (default: 4)")
+    _first_guess(parser, "default", "what the other parameters are")
+    _controller(parser)
+    add("--out", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
+
+
 def _learn(parser: Parser) -> None:
     add = parser.add_argument
     add("races", nargs="*", metavar="RACE", help="races to learn from, of one controller (default: 105 that come with hotlap)")
@@ -213,6 +225,12 @@ COMMANDS: Mapping[str, Command] = {
         "Fly a race with given parameters and fresh noise, and say how the flights ended.",
         _fly,
         ("hotlap fly circle-34", "hotlap fly circle-34 --parameters runs/mine --flights 1000"),
+    ),
+    "landscape": Command(
+        "map completion over two parameters",
+        "Fly a race over a grid of two parameters, the same in all segments, the others held.",
+        _landscape,
+        ("hotlap landscape circle-34 --x Q_pos_xy --y Q_velocity --out map.png",),
     ),
     "learn": Command(
         "learn first guesses from races",

@@ -1,0 +1,67 @@
+"""`hotlap landscape RACE`: completion as a map over two parameters."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+import numpy as np
+
+from hotlap.analysis.landscape import Landscape, axes, survey
+from hotlap.cli.flying import check_guess, load, make_ready, read_guess
+from hotlap.cli.inputs import PICTURES, check_range, check_target
+from hotlap.cli.output import facts, percent, present, working
+from hotlap.errors import UnknownNameError
+from hotlap.preparation import prepare
+from hotlap.segmentation import Rule
+from hotlap.worlds.built_in import BuiltIn
+
+MOST_POINTS, MOST_FLIGHTS = 500, 100
+
+
+def run(options: Namespace) -> int:
+    """Fly the map, and draw it."""
+    check_range("--points", options.points, 2, MOST_POINTS)
+    check_range("--flights", options.flights, 1, MOST_FLIGHTS)
+    check_target(options.out, PICTURES)
+    check_guess(options.first_guess)
+    race, world = load(options), BuiltIn()
+    with working(f"planning {race.name}"):
+        course = prepare(race, segments=Rule.NONE)
+    names = course.space.names
+    for option, name in (("--x", options.x), ("--y", options.y)):
+        if name not in names:
+            raise UnknownNameError("parameter", name, names, option)
+    held = tuple(read_guess(options.first_guess, course)[0].tolist())
+    wanted = Landscape(race, options.x, options.y, options.points, options.flights, held)
+    make_ready(world, course)
+    with working(f"flying {race.name} {options.points**2 * options.flights} times"):
+        grid = survey(course, world, wanted)
+    middle = dict(zip(names, held, strict=True))
+    if options.out is not None:
+        from hotlap.report.reproduction import draw_maps  # noqa: PLC0415  matplotlib takes half a second to load
+
+        title = f"{race.name}: {percent(float((grid == 1).mean()))} of the map complete"
+        draw_maps(options.out, axes(course, wanted), (options.x, options.y), [grid], [title], (middle[options.x], middle[options.y]))
+    x, y = axes(course, wanted)
+    best = np.unravel_index(int(np.argmax(grid)), grid.shape)
+    document = {
+        "race": race.name,
+        "x": options.x,
+        "y": options.y,
+        "x_values": x.tolist(),
+        "y_values": y.tolist(),
+        "completion": grid.tolist(),
+    }
+    lines = [
+        f"{race.name}: completion over {options.x} and {options.y}, {options.flights} flights at each of {grid.size} points",
+        *facts(
+            {
+                "complete": f"{percent(float((grid == 1).mean()))} of the map",
+                "mean": f"{percent(float(grid.mean()))} of the gates",
+                "best at": f"{options.x} {x[best[1]]:.3g}, {options.y} {y[best[0]]:.3g}: {percent(float(grid.max()))}",
+                "picture": str(options.out or ""),
+            }
+        ),
+    ]
+    present(as_json=options.json, document=document, lines=lines)
+    return 0
