@@ -11,6 +11,7 @@ from hotlap.analysis import fastest as search
 from hotlap.analysis.fastest import Knobs, Trial, first_knobs
 from hotlap.cli import fastest, main
 from hotlap.files import load_parameters, load_race
+from hotlap.race import Race
 from hotlap.tuning import TuningSettings
 
 RACE = load_race("circle-20")
@@ -54,6 +55,44 @@ def test_where_nothing_holds_there_is_no_result():
     assert tried
 
 
+def test_the_nearest_to_holding_is_kept_in_mind():
+    """Nothing around the first plan comes near; smaller steps do."""
+    first = first_knobs(RACE)
+
+    def do(trials):
+        away = {key: abs(math.log(trial.knobs.v_max / first.v_max)) for key, trial in trials.items()}
+        rates = {key: 0.94 if far == 0 else 1.0 if far < 0.1 else 0.1 for key, far in away.items()}
+        plain = {"lap": 10.0, "planned": 10.0, "flights": 1, "parameters": [[1.0] * 5], "reason": ""}
+        return {key: {**plain, "rate": rate if trials[key].knobs.tolerance == first.tolerance else 0.1} for key, rate in rates.items()}
+
+    knobs, _ = search.fastest(RACE, "guided_walk", SETTINGS, do)
+    assert abs(math.log(knobs.v_max / first.v_max)) < 0.1
+
+
+def test_a_search_ends_where_there_is_no_plan_at_all():
+    rounds = []
+
+    def do(trials):
+        rounds.append(len(trials))
+        return {key: {"lap": None, "planned": None, "rate": 0.0, "parameters": None, "reason": "no plan"} for key in trials}
+
+    assert search.fastest(RACE, "guided_walk", SETTINGS, do) is None
+    assert len(rounds) <= 6
+
+
+@pytest.mark.parametrize("mass", [0.4, 1.6])
+def test_a_plan_asks_for_no_more_than_vehicle_and_controller_can(mass):
+    race = RACE.model_copy(update={"vehicle": RACE.vehicle.model_copy(update={"mass": mass})})
+    most = max(knobs.applied(race).planned.max_acceleration for knobs in search.neighbours(race, Knobs(20.0, 0.2, 1.4), 1.0))
+    possible = min(race.vehicle.max_acceleration, 0.95 * race.controller.thrust[1])
+    assert most <= max(possible, race.planned.max_acceleration) + 1e-9
+
+
+def test_what_is_tried_can_be_written_as_a_race():
+    for knobs in search.neighbours(RACE, Knobs(195.0, 4.9), 1.0):
+        Race.model_validate(knobs.applied(RACE).model_dump())
+
+
 def test_knobs_say_what_is_planned_with():
     race = Knobs(25.0, 0.3, 1.1).applied(RACE)
     assert (race.planning.v_max, race.planning.tolerance) == (25.0, 0.3)
@@ -80,7 +119,24 @@ def test_a_faster_race_is_written_with_parameters_that_fly_it(tmp_path, monkeypa
     assert "now" not in again.err
 
 
-@pytest.mark.parametrize("option", [("--first-guess", "default"), ("--segments", "none"), ("--randomise", "0.1")])
+@pytest.mark.parametrize(
+    "option", [("--first-guess", "default"), ("--segments", "none"), ("--randomise", "0.1"), ("--worlds", "3"), ("--reliability", "0.5")]
+)
 def test_what_has_no_meaning_for_it_is_said(option, capsys):
     assert main(["tune", "circle-20", "--goal", "lap_time", *option]) == 2
     assert capsys.readouterr().err == f"hotlap: {option[0]}: has no meaning for --goal lap_time, which looks for a plan of its own\n"
+
+
+def test_a_folder_holds_one_kind_of_study(tmp_path, monkeypatch, capsys):
+    (tmp_path / "study.sqlite").touch()
+    assert main(["tune", "circle-20", "--goal", "lap_time", "--out", str(tmp_path)]) == 2
+    assert "holds another study" in capsys.readouterr().err
+    (tmp_path / "study.sqlite").unlink()
+    (tmp_path / "race.toml").write_text('base = "circle-20"\n', encoding="utf-8")
+    assert main(["tune", "circle-20", "--goal", "lap_time", "--out", str(tmp_path)]) == 2
+    assert "holds another study" in capsys.readouterr().err
+    assert main(["tune", "circle-20", "--out", str(tmp_path)]) == 2
+    assert "holds a search for the fastest plan" in capsys.readouterr().err
+    monkeypatch.chdir(tmp_path)
+    assert main(["tune", "circle-20", "--goal", "lap_time", "--validation", "0"]) == 2
+    assert "--validation: must not be 0" in capsys.readouterr().err

@@ -51,6 +51,13 @@ def test_what_was_interrupted_ends_as_if_it_had_not_been(tmp_path, capsys):
     assert "now" not in capsys.readouterr().err
 
 
+def test_a_race_that_is_given_twice_is_learnt_from_once(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text('base = "circle-20"\nname = "mine"\n', encoding="utf-8")
+    learn(tmp_path / "l", "mine.toml", "./mine.toml")
+    assert len(load_training_set(tmp_path / "l" / "first_guess.json").races) == 1
+
+
 def test_parameters_are_flown_with_the_same_noise():
     default, other = load_race("circle-34").controller.default, (20.0, 200.0, 20.0, 6.0, 5.0)
     ((passed, completed),) = fly_lesson((Lesson(load_race("circle-34"), "me"), [default, other, default]))

@@ -27,16 +27,16 @@ def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, ca
     command = ["reproduce", name, "--quick", "--jobs", "1", "--out", str(tmp_path), "--json"]
     assert main(command) == 0
     first = json.loads(capsys.readouterr().out)["experiments"][name]
-    page = (tmp_path / name / "page.md").read_text(encoding="utf-8")
+    page = (tmp_path / f"{name}-quick" / "page.md").read_text(encoding="utf-8")
     assert page.startswith("# ")
     assert "nan" not in page
     assert re.search(r"^\|.*\|$", page, re.MULTILINE)
     pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", page)
-    assert [str(tmp_path / name / picture) for picture in pictures] == first["pictures"]
+    assert [str(tmp_path / f"{name}-quick" / picture) for picture in pictures] == first["pictures"]
     for picture in pictures:
-        assert (tmp_path / name / picture).read_bytes().startswith(b"\x89PNG")
+        assert (tmp_path / f"{name}-quick" / picture).read_bytes().startswith(b"\x89PNG")
     assert main(command) == 0
     again = capsys.readouterr()
     assert json.loads(again.out)["experiments"][name] == first
-    assert (tmp_path / name / "page.md").read_text(encoding="utf-8") == page
+    assert (tmp_path / f"{name}-quick" / "page.md").read_text(encoding="utf-8") == page
     assert "now" not in again.err

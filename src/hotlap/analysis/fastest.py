@@ -10,16 +10,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
 from hotlap.errors import HotlapError
 from hotlap.first_guess.guess import first_guess
+from hotlap.first_guess.training_set import shipped
 from hotlap.objective import Objective
+from hotlap.parameters import Parameters
 from hotlap.preparation import prepare
 from hotlap.race import Race
 from hotlap.seeds import Stream, flight_seeds
@@ -29,6 +32,10 @@ RELIABLE = 0.95  # least validated rate
 STEPS = {"v_max": 0.3, "tolerance": 0.5, "thrust": 0.05}  # first ones, in natural logarithms
 HALVINGS = 3  # of the steps, before it ends
 NEAREST_GATE = 0.9  # share of the judge's distance that a plan may pass a gate at
+WIDEST, FASTEST = 5.0, 200.0  # m and m/s, that a race may be planned with
+FULL = 0.95  # share of the controller's largest thrust that a plan may use, as where a race does not say
+GAIN = 1e-3  # least share by which a lap must be shorter to go on from there
+CHOSEN, FRESH = 500_000, 600_000  # first of the flights that plans are chosen by, and of those that the winner is judged by
 
 
 Do = Callable[[Mapping[str, "Trial"]], Mapping[str, dict[str, Any]]]
@@ -74,8 +81,10 @@ class Trial:
         race: what is flown, with its own planning.
         knobs: what is planned with.
         tuner: algorithm with preset.
-        settings: of the tuning; its validation and reliability decide about what holds.
+        settings: of the tuning; a plan holds by as many further flights as its validation has.
         begin: K parameters to begin with, the mean over segments of those of the best plan so far; None for the learned guess.
+        parameters: of each segment, to be judged; empty while they are looked for.
+        training: fingerprint of what the guess is learnt from.
     """
 
     race: Race
@@ -83,6 +92,8 @@ class Trial:
     tuner: str
     settings: TuningSettings
     begin: tuple[float, ...] | None = None
+    parameters: tuple[tuple[float, ...], ...] = ()
+    training: str = field(default_factory=lambda: shipped().fingerprint)
 
 
 def first_knobs(race: Race) -> Knobs:
@@ -92,15 +103,18 @@ def first_knobs(race: Race) -> Knobs:
 
 def neighbours(race: Race, centre: Knobs, shrunk: float) -> list[Knobs]:
     """A step both ways along each axis, as far as the gates and the vehicle allow."""
+    most = min(race.vehicle.max_acceleration, FULL * race.controller.thrust[1]) / race.planned.max_acceleration
     low, high = race.planned.rotor_thrust
-    most = race.vehicle.rotor_thrust[1] / high
     found = []
     for axis, step in STEPS.items():
         if getattr(centre, axis) is None:
             continue
         for sign in (1, -1):
             moved = centre.moved(axis, math.exp(sign * step * shrunk))
-            moved = replace(moved, tolerance=min(moved.tolerance, NEAREST_GATE * race.judge.distance), thrust=min(moved.thrust, most))
+            nearest = min(NEAREST_GATE * race.judge.distance, WIDEST)
+            moved = replace(moved, tolerance=min(moved.tolerance, nearest), thrust=min(moved.thrust, max(most, 1.0)))
+            if moved.v_max is not None:
+                moved = replace(moved, v_max=min(moved.v_max, FASTEST))
             if moved.key != centre.key and low < high * moved.thrust:
                 found.append(moved)
     return found
@@ -121,12 +135,24 @@ def try_plan(trial: Trial) -> Iterator[dict[str, Any]]:
         pass
     assert tuning.best is not None  # noqa: S101  it has flown
     best = tuning.best.parameters
-    seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, 0, max(trial.settings.validation, 1))
-    scores = objective.fly(np.repeat(best[None], len(seeds), axis=0), seeds)
-    rate = float(scores.complete.mean())
-    lap = float(np.nanmean(scores.lap_time)) if scores.complete.any() else None
+    seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, CHOSEN, max(trial.settings.validation, 1))
+    rate, lap = _flown(objective, best, seeds)
     planned = course.reference.lap_time
     yield {"lap": lap, "rate": rate, "planned": planned, "flights": tuning.flights, "parameters": best.tolist(), "reason": ""}
+
+
+def judge_plan(trial: Trial) -> Iterator[dict[str, Any]]:
+    """The winner once more, K parameters of each segment in `trial.parameters`, with noise that it was not chosen by."""
+    course = prepare(trial.knobs.applied(trial.race))
+    seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, FRESH, max(trial.settings.validation, 1))
+    rate, lap = _flown(Objective(course, built_in_world()), np.array(trial.parameters), seeds)
+    yield {"lap": lap, "rate": rate}
+
+
+def _flown(objective: Objective, parameters: Parameters, seeds: NDArray[np.int64]) -> tuple[float, float | None]:
+    """Share of flights that pass every gate, and their mean lap [s]."""
+    scores = objective.fly(np.repeat(parameters[None], len(seeds), axis=0), seeds)
+    return float(scores.complete.mean()), float(np.nanmean(scores.lap_time)) if scores.complete.any() else None
 
 
 def holds(result: dict[str, Any]) -> bool:
@@ -150,18 +176,20 @@ def fastest(race: Race, tuner: str, settings: TuningSettings, do: Do, most_round
         do: tries plans, by keys, and gives what `try_plan` says of each.
         most_rounds: of trials, before it ends.
     """
-    centre, shrunk, best = first_knobs(race), 1.0, None
+    centre, shrunk, best, nearest = first_knobs(race), 1.0, None, (-1.0, -1.0)
     trials, tried = {centre.key: Trial(race, centre, tuner, settings)}, {centre.key}
     for _ in range(most_rounds):
         done = do(trials)
         results = [(trial.knobs, done[key]) for key, trial in trials.items()]
-        found = best_of(results)
-        if found and (best is None or found[1]["lap"] < best[1]["lap"]):
-            best, centre = found, found[0]
+        found, moved = best_of(results), False
+        if found and (best is None or found[1]["lap"] < (1 - GAIN) * best[1]["lap"]):
+            best, centre, moved = found, found[0], True
         elif best is None:
-            planned = [(knobs, result) for knobs, result in results if result["planned"] is not None]
-            centre = max(planned, key=lambda pair: (pair[1]["rate"], pair[1]["planned"]), default=(centre, {}))[0]
-        else:
+            for knobs, result in results:
+                near = result["rate"], result["planned"] or 0.0  # where none holds, the most reliable, then the slowest
+                if near > nearest:
+                    nearest, centre, moved = near, knobs, True
+        if not moved:
             shrunk /= 2
         if shrunk < 2.0**-HALVINGS:
             break

@@ -60,8 +60,8 @@ class Lesson:
 
     @property
     def key(self) -> str:
-        """Changes with everything in the race."""
-        return self.race.fingerprint
+        """Changes with everything in the race, and with how it is tuned."""
+        return f"{self.race.fingerprint} {TUNER} {SEEDS} {BUDGET} {CONFIRM} {VALIDATION} {FLIGHTS} {__version__}"
 
 
 def lessons() -> tuple[Lesson, ...]:
@@ -107,7 +107,7 @@ class Tuned(Described):
         pieces: of its reference.
         optima: confirmed parameters of its tunings, K each.
         tuned: their median in logarithms or, where more flights of it pass every gate, one of them; None without any.
-        validated: share of fresh flights in which it does.
+        validated: share of the flights by which it was chosen in which it does.
     """
 
     features: tuple[float, ...]

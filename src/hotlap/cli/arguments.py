@@ -159,7 +159,7 @@ def _landscape(parser: Parser) -> None:
 
 def _learn(parser: Parser) -> None:
     add = parser.add_argument
-    add("races", nargs="*", metavar="RACE", help="races to learn from, of one controller (default: 105 that come with hotlap)")
+    add("races", nargs="*", metavar="RACE", help="races to learn from, of one controller (default: 135 that come with hotlap)")
     add("--out", type=path, required=True, metavar="DIR", help="folder of what is learnt, begun or gone on with")
     add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
 

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from argparse import Namespace
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from hotlap import __version__, tuners, worlds
-from hotlap.analysis.fastest import RELIABLE, Knobs, Trial, fastest, first_knobs, try_plan
+from hotlap.analysis.fastest import RELIABLE, Knobs, Trial, fastest, judge_plan, try_plan
 from hotlap.cli.flying import load, make_ready
 from hotlap.cli.output import facts, note, percent, present, seconds
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
-from hotlap.errors import InputError, StudyError
-from hotlap.files import PARAMETERS_FILE, save, save_parameters
+from hotlap.database import FILE as STUDY
+from hotlap.errors import InputError, PlanningError, StudyError
+from hotlap.files import PARAMETERS_FILE, load_race, save, save_parameters
 from hotlap.first_guess.guess import LEARNED
 from hotlap.preparation import prepare
 from hotlap.race import Race
@@ -25,12 +26,21 @@ from hotlap.saved_parameters import SavedParameters
 from hotlap.segmentation import Rule
 from hotlap.study import new_folder
 from hotlap.tuning import TuningSettings
-from hotlap.validation import Validation
+from hotlap.validation import RELIABILITY, Validation
 
 GOAL = "lap_time"
 RACE_FILE = "race.toml"
+COMPILED = "circle-34"  # whose plan is there
 ROUNDS = 40  # of plans tried around the best so far
-FIXED = {"reference": None, "first_guess": LEARNED, "segments": Rule.PAPER, "on": worlds.DEFAULT, "randomise": 0.0}
+FIXED = {
+    "reference": None,
+    "first_guess": LEARNED,
+    "segments": Rule.PAPER,
+    "on": worlds.DEFAULT,
+    "randomise": 0.0,
+    "worlds": 0,
+    "reliability": RELIABILITY,
+}
 
 
 def run(options: Namespace) -> int:
@@ -38,24 +48,24 @@ def run(options: Namespace) -> int:
     for name, value in FIXED.items():
         if getattr(options, name) != value:
             raise InputError(f"--{name.replace('_', '-')}", "", "has no meaning for --goal lap_time, which looks for a plan of its own")
-    names = ("budget", "seed", "confirm", "batch")
-    settings = TuningSettings(
-        **{name: getattr(options, name) for name in names}, reliability=RELIABLE, validation=options.validation or 200
-    )
+    if not options.validation:
+        raise InputError("--validation", "", "must not be 0 for --goal lap_time, which chooses by it")
+    names = ("budget", "seed", "confirm", "batch", "validation")
+    settings = TuningSettings(**{name: getattr(options, name) for name in names}, reliability=RELIABLE)
     tuner, race = tuners.build(options.tuner).name, load(options)
     folder = new_folder(race.name) if options.out is None else options.out
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of a study")
+    if (folder / STUDY).exists() or ((folder / RACE_FILE).exists() and load_race(folder / RACE_FILE).name != _name(race)):
+        raise StudyError(str(folder), "", "holds another study; give --out a folder of its own")
     words = ["hotlap", "tune", *options.arguments, *([] if options.out is not None else ["--out", str(folder)])]
     with remark(f"nothing is lost; go on with: {shlex.join(words)}"):
-        make_ready(worlds.build(options.on), prepare(race))
-        context, mark = Context(folder, quick=False, jobs=0, progress=follow_pieces), f"{race.fingerprint} {tuner} {settings}"
-
-        def do(trials: Mapping[str, Trial]) -> dict[str, Any]:
-            found = context.each("plans", {f"{mark}: {key}": trial for key, trial in trials.items()}, try_plan)
-            return {key: found[f"{mark}: {key}"] for key in trials}
-
-        best = fastest(race, tuner, settings, do, ROUNDS)
+        make_ready(worlds.build(options.on), prepare(load_race(COMPILED).with_controller(race.controller.kind)))
+        context = Context(folder, quick=False, jobs=0, progress=follow_pieces)
+        best = fastest(race, tuner, settings, lambda trials: context.each("plans", trials, try_plan), ROUNDS)
+        if best is not None:
+            trial = Trial(race, best[0], tuner, settings, parameters=tuple(map(tuple, best[1]["parameters"])))
+            best[1].update(context.each("winners", {"the winner once more": trial}, judge_plan)["the winner once more"])
     if best is None:
         note(f"hotlap: {race.name}: no plan was found that passes every gate in {percent(RELIABLE)} of the flights")
         return 1
@@ -66,9 +76,9 @@ def run(options: Namespace) -> int:
 def _present(options: Namespace, race: Race, folder: Any, best: tuple[Knobs, dict[str, Any]], settings: TuningSettings) -> None:
     """Write the race and its parameters, and say how fast it is."""
     knobs, found = best
-    planned = knobs.applied(race).model_copy(update={"name": f"{race.name}-fastest"})
+    planned = knobs.applied(race).model_copy(update={"name": _name(race)})
     save(folder / RACE_FILE, planned)
-    course, first = prepare(planned), prepare(first_knobs(race).applied(race))
+    course, before = prepare(planned), _lap_before(race)
     validation = Validation(settings.validation, round(found["rate"] * settings.validation))
     low, high = validation.interval
     known = {"hotlap": __version__, "goal": GOAL, "seed": settings.seed, "lap_time": found["lap"], "validated_rate": validation.rate}
@@ -78,7 +88,7 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[Knobs, dic
         "race": race.name,
         "goal": GOAL,
         "lap_time": found["lap"],
-        "planned_before": first.reference.lap_time,
+        "planned_before": before,
         "plan": {"v_max": knobs.v_max, "tolerance": knobs.tolerance, "thrust": knobs.thrust},
         "validation": {**vars(validation), "rate": validation.rate, "low": low, "high": high},
         "study": str(folder),
@@ -86,7 +96,7 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[Knobs, dic
         "parameters": str(folder / PARAMETERS_FILE),
     }
     lines = [
-        f"{race.name}: {seconds(found['lap'])}, where the race's own plan takes {seconds(first.reference.lap_time)}",
+        f"{race.name}: {seconds(found['lap'])}, where the race's own plan takes {seconds(before)}",
         *facts(
             {
                 "holds in": f"{validation.successes} of {validation.flights} flights ({100 * low:.0f} to {100 * high:.0f} %)",
@@ -98,3 +108,16 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[Knobs, dic
         f"fly it again: {shlex.join(['hotlap', 'fly', str(folder / RACE_FILE), '--parameters', str(folder)])}",
     ]
     present(as_json=options.json, document=document, lines=lines)
+
+
+def _name(race: Race) -> str:
+    """Of the race that is written."""
+    return f"{race.name}-fastest"
+
+
+def _lap_before(race: Race) -> float:
+    """[s] of the race's own plan; NaN where it has none."""
+    try:
+        return prepare(race).reference.lap_time
+    except PlanningError:
+        return math.nan

@@ -49,15 +49,20 @@ def make_ready(world: World, course: Course) -> None:
 
 def read_parameters(path: Path, course: Course) -> Parameters:
     """Parameters from a file or a study's folder, shape (S, K); says for what else they were tuned."""
-    if path.is_dir() and (path / FILE).exists() and not (path / PARAMETERS_FILE).exists():
-        raise InputError(
-            str(path), "", f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap tune --out {path} goes on with it"
-        )
+    _refuse_unfinished(path)
     saved = load_parameters(path)
     values = parameters_for(course, saved, str(path / PARAMETERS_FILE if path.is_dir() else path))
     for difference in differences(course, saved):
         note(f"note: {path}: {difference}")
     return values
+
+
+def _refuse_unfinished(path: Path) -> None:
+    """A folder whose study has not ended holds no parameters yet."""
+    if path.is_dir() and (path / FILE).exists() and not (path / PARAMETERS_FILE).exists():
+        raise InputError(
+            str(path), "", f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap tune --out {path} goes on with it"
+        )
 
 
 def check_guess(text: str) -> None:
@@ -74,6 +79,7 @@ def check_guess(text: str) -> None:
     if path.suffix == TRAINING:
         load_training_set(path)
     else:
+        _refuse_unfinished(path)
         load_parameters(path)
 
 

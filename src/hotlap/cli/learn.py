@@ -18,12 +18,14 @@ from hotlap.cli.stopping import remark
 from hotlap.controllers import TUNABLE, ControllerKind
 from hotlap.errors import HotlapError, InputError, StudyError
 from hotlap.executor import spread
+from hotlap.faults import check
 from hotlap.files import load_race, replace
 from hotlap.first_guess.training_set import TrainingSet, write_training_set
 from hotlap.preparation import prepare
 from hotlap.worlds.built_in import BuiltIn
 
 FILE = "first_guess.json"
+COMPILED = "circle-34"  # whose plan is there
 
 
 def run(options: Namespace) -> int:
@@ -35,7 +37,7 @@ def run(options: Namespace) -> int:
         raise StudyError(str(folder), "", "is a file, not the folder of what is learnt")
     asked = _lessons(options.races) if options.races else lessons()
     with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'learn', *options.arguments])}"):
-        make_ready(BuiltIn(), prepare(asked[0].race))
+        make_ready(BuiltIn(), prepare(load_race(COMPILED).with_controller(asked[0].race.controller.kind)))
         with LinesFile.opened(folder) as kept:
             training = _learn(asked, kept, options.jobs)
     path = folder / FILE
@@ -58,14 +60,14 @@ def _lessons(names: Sequence[str]) -> tuple[Lesson, ...]:
             raise InputError(name, "controller.kind", f"must be a model-predictive one, not {race.controller.kind}")
         if race.controller.horizon_unit != races[0].controller.horizon_unit:
             raise InputError(name, "controller.horizon_unit", "differs from the other races'")
-    return tuple(Lesson(race, race.vehicle.name) for race in races)
+    return tuple({lesson.key: lesson for lesson in (Lesson(race, race.vehicle.name) for race in races)}.values())
 
 
 def _learn(asked: Sequence[Lesson], kept: LinesFile, jobs: int) -> TrainingSet:
     """Both steps, each race of which is kept as soon as it is there."""
     _work("races to tune", kept, {f"tuned {lesson.key}": lesson for lesson in asked}, tune_lesson, jobs)
     done = [(lesson, kept.done[f"tuned {lesson.key}"]) for lesson in asked]
-    planned = [(lesson, Tuned.model_validate(plain)) for lesson, plain in done if plain is not None]
+    planned = [(lesson, check(Tuned, plain, str(kept.path))) for lesson, plain in done if plain is not None]
     for lesson, plain in done:
         if plain is None:
             note(f"note: {lesson.race.name} flown by {lesson.vehicle} is left out: it has no plan")

@@ -32,7 +32,7 @@ def run(options: Namespace) -> int:
         make_ready(BuiltIn(), prepare("circle-34"))
         for name in EXPERIMENTS if options.experiment == "all" else (options.experiment,):
             note(f"{name}:")
-            context = Context(folder / name, options.quick, options.jobs, follow_pieces)
+            context = Context(folder / (f"{name}-quick" if options.quick else name), options.quick, options.jobs, follow_pieces)
             page = EXPERIMENTS[name](context)
             path = context.folder / PAGE
             replace(path, page.markdown)

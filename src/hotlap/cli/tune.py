@@ -26,6 +26,7 @@ from hotlap.study import Study, carry_out, new_folder
 from hotlap.tuning import TuningSettings, course_for
 from hotlap.worlds.world import World
 
+FASTEST = "race.toml"  # written by the search for the fastest plan
 LAP_TIME = "lap_time"  # a goal that is not reached by parameters alone
 
 if TYPE_CHECKING:
@@ -67,6 +68,8 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
     check_guess(options.first_guess)
     if options.out is not None and options.out.exists() and not options.out.is_dir():
         raise StudyError(str(options.out), "", "is a file, not the folder of a study")
+    if options.out is not None and (options.out / FASTEST).exists():
+        raise StudyError(str(options.out), "", "holds a search for the fastest plan; give --out a folder of its own")
     with remark(f"nothing is lost; begin again with: {shlex.join(['hotlap', 'tune', *options.arguments])}"):
         course = course_for(make_course(load(options), options), tuner)
     first = read_guess(options.first_guess, course)

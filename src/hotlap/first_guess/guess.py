@@ -42,6 +42,7 @@ def first_guess(course: Course, name: str = LEARNED, training: TrainingSet | Non
 
     Raises:
         UnknownNameError: there is no guess of that name.
+        ValueError: for "paper", where no training race holds.
     """
     if name not in NAMES:
         raise UnknownNameError("first guess", name, NAMES)

@@ -126,7 +126,8 @@ def taught(training: TrainingSet, features: Floats) -> list[TrainingRace]:
         raise ValueError("no training race holds")
     columns = [i for i, name in enumerate(training.race_features) if name in OF_A_RACE]
     known = np.array([[race.features[i] for i in columns] for race in races])
-    spread = np.maximum(known.std(axis=0), 1e-9)
+    deviation = known.std(axis=0)
+    spread = np.where(deviation > 1e-9 * np.abs(known).max(axis=0), deviation, np.inf)
     square = (((known - features[columns]) / spread) ** 2).sum(axis=1)
     nearest = races[int(np.argmin(square))].vehicle
     return [race for race in races if race.vehicle == nearest]

@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from hotlap.errors import InputError
 from hotlap.faults import check
 from hotlap.first_guess.features import OF_A_PIECE, OF_A_RACE
-from hotlap.schema import Described
+from hotlap.schema import Described, Positive
 from hotlap.segments import SegmentClass
 
 Floats = NDArray[np.float64]
@@ -46,8 +46,8 @@ class TrainingRace(Described):
         v_max: [m/s] of its plan; None where it was not bounded so.
         features: in the order of `TrainingSet.race_features`.
         pieces: of its reference.
-        tuned: K parameters, the same in all segments: the steadiest of its tunings that were confirmed; None without any.
-        validated: share of fresh flights in which `tuned` passes every gate; 0 without.
+        tuned: K parameters, the same in all segments: the steadiest of its confirmed tunings and of their median; None without any.
+        validated: share of the flights by which it was chosen in which `tuned` passes every gate, so a little too high; 0 without.
         own: indices of the candidates that come from its tunings.
         passed: a digit for each candidate: in how many of the flights it passed every gate.
         completed: a digit for each candidate: mean completion of its flights, in ninths, rounded down.
@@ -58,7 +58,7 @@ class TrainingRace(Described):
     v_max: float | None
     features: tuple[float, ...]
     pieces: tuple[TrainingPiece, ...] = Field(min_length=1)
-    tuned: tuple[float, ...] | None
+    tuned: tuple[Positive, ...] | None
     validated: float = Field(ge=0, le=1)
     own: tuple[int, ...]
     passed: str = Field(pattern="^[0-9]*$")
@@ -69,7 +69,7 @@ class TrainingSet(Described):
     """What first guesses are learnt from.
 
     Attributes:
-        provenance: version, machine-independent settings, and the command that makes it again.
+        provenance: version and settings of the tuning.
         names: of the K parameters.
         horizon_unit: [s] of the races' controllers.
         piece_features: names, of `features.OF_A_PIECE`.
@@ -85,7 +85,7 @@ class TrainingSet(Described):
     piece_features: tuple[str, ...]
     race_features: tuple[str, ...]
     flights: int = Field(ge=1, le=DIGITS)
-    candidates: tuple[tuple[float, ...], ...] = Field(min_length=1)
+    candidates: tuple[tuple[Positive, ...], ...] = Field(min_length=1)
     races: tuple[TrainingRace, ...] = Field(min_length=1)
 
     @model_validator(mode="after")
@@ -96,12 +96,17 @@ class TrainingSet(Described):
                 raise ValueError(f"{key}: there is no feature {min(unknown)}")
         lengths = [("candidates", len(self.names), len(values)) for values in self.candidates]
         for race in self.races:
-            lengths += [("races", len(self.race_features), len(race.features)), ("races", len(self.names), len(race.tuned or self.names))]
+            lengths += [
+                ("races", len(self.race_features), len(race.features)),
+                ("races", len(self.names), len(self.names if race.tuned is None else race.tuned)),
+            ]
             lengths += [("races", len(self.candidates), len(digits)) for digits in (race.passed, race.completed)]
             lengths += [("races", len(self.piece_features), len(piece.features)) for piece in race.pieces]
         for key, wanted, found in lengths:
             if found != wanted:
                 raise ValueError(f"{key}: a row has {found} entries where there are {wanted} names")
+        if any(int(digit) > self.flights for race in self.races for digit in race.passed):
+            raise ValueError(f"races: passed says of a candidate that it passed more than {self.flights} flights")
         if any(not 0 <= index < len(self.candidates) for race in self.races for index in race.own):
             raise ValueError("races: own names a candidate that is not there")
         return self
@@ -164,7 +169,7 @@ def _read(content: bytes, source: str) -> TrainingSet:
     """Checked."""
     try:
         plain: Mapping[str, Any] = json.loads(content)
-    except ValueError:
+    except (ValueError, RecursionError):
         raise InputError(source, "", "is no JSON document") from None
     if not isinstance(plain, dict):
         raise InputError(source, "", "must be one JSON object")

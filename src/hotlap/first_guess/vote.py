@@ -5,7 +5,7 @@ rather which of many tuned parameters to begin with. All of them were flown in a
 did in it, the louder the more it is like the one to come (Nadaraya, Watson, 1964), and for what is near them too, so that what wins is
 no lucky exception:
 
-    score(c) = sum_r w(f, f_r) sum_d w(c, d) (passed(d, r) + completed(d, r)) / 2,    w(a, b) = exp(-|a - b|^2 / 2)
+    score(c) = sum_r w(f, f_r) sum_d w(c, d) (passed(d, r) + completed(d, r)) / sum_d w(c, d),    w(a, b) = exp(-|a - b|^2 / 2)
 
 f are features of the vehicle and of the whole reference, in units of how much they differ among the training races, mean squares over
 those of each kind; c and d logarithms of parameters, in units of how much these differ. `REACH` divides them all.

@@ -60,7 +60,7 @@ def _maps(
         if k == len(grids) - 1:
             scale = place_axes(figure, LEFT + k * (SIDE + GAP) + SIDE + 0.1, BOTTOM, 0.1, SIDE)
             figure.colorbar(image, cax=scale).outline.set_visible(False)  # pyright: ignore[reportCallIssue]
-    headline(figure, 0.15, f"completion [%] over {names[0]} and {names[1]}", "the cross marks the parameters that all others are taken from")
+    headline(figure, 0.15, f"completion [%] over {names[0]} and {names[1]}", "the cross marks what the others are taken from")
     return figure
 
 

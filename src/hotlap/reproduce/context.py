@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hotlap import __version__
 from hotlap.analysis.comparison import Cell, Run, fly_cells, missing
 from hotlap.analysis.lines_file import LinesFile
 from hotlap.analysis.runs_file import RunsFile
@@ -39,16 +41,17 @@ class Context:
 
         Args:
             unit: what the pieces are, in the plural.
-            pieces: by keys that change with everything that decides about a result.
+            pieces: by names for people; plain values, everything in which decides about a result and is kept with it.
             work: gives one result of plain JSON for a piece; a function of a module, so that workers find it.
         """
+        whole = {key: f"{key} #{_digest(work.__name__, piece)}" for key, piece in pieces.items()}
         with LinesFile.opened(self.folder) as kept:
-            keys = {id(piece): key for key, piece in pieces.items() if key not in kept.done}
-            with self.progress(unit, len(pieces), len(pieces) - len(keys)) as say:
-                for piece, result in spread(work, [pieces[key] for key in keys.values()], self.jobs):
-                    kept.add(keys[id(piece)], result)
-                    say(keys[id(piece)])
-            return {key: kept.done[key] for key in pieces}
+            names = {id(piece): key for key, piece in pieces.items() if whole[key] not in kept.done}
+            with self.progress(unit, len(pieces), len(pieces) - len(names)) as say:
+                for piece, result in spread(work, [pieces[key] for key in names.values()], self.jobs):
+                    kept.add(whole[names[id(piece)]], result)
+                    say(names[id(piece)])
+            return {key: kept.done[whole[key]] for key in pieces}
 
     def compare(self, cells: Sequence[Cell]) -> list[Run]:
         """Runs of tuners, in the order of the cells; those that are kept are not flown again."""
@@ -62,3 +65,8 @@ class Context:
                     kept.add((named[cell.race.name, cell.tuner, cell.segments, cell.first_guess], run.seed), run)
                     say(f"{run.race} by {run.tuner}")
             return [kept.done[keys[id(cell)], seed] for cell in cells for seed in cell.seeds]
+
+
+def _digest(*values: Any) -> str:
+    """Sixteen hexadecimal digits that change with anything in the values, or with the version."""
+    return hashlib.sha256(repr((__version__, *values)).encode()).hexdigest()[:16]

@@ -12,6 +12,7 @@ from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
 from hotlap.files import load_race
 from hotlap.first_guess.guess import first_guess
+from hotlap.first_guess.training_set import shipped
 from hotlap.goal import Goal, Quantity
 from hotlap.objective import Objective
 from hotlap.preparation import prepare
@@ -33,12 +34,13 @@ RUNS = {
 
 @dataclass(frozen=True)
 class Watched:
-    """Runs of a tuner that go on for so many flights, whatever they find."""
+    """Runs of a tuner that go on for so many flights, whatever they find; `training` is what the guess is learnt from."""
 
     race: str
     tuner: str
     guess: str
     seeds: int
+    training: str
 
 
 def watch(wanted: Watched) -> Iterator[list[list[float]]]:
@@ -61,7 +63,8 @@ def experts(context: Context) -> Page:
     from hotlap.report.reproduction import draw_curves  # noqa: PLC0415  matplotlib takes half a second to load
 
     race, seeds = ("circle-34", 3) if context.quick else ("qualifier-20", 20)
-    wanted = {f"{race}: {name}, {seeds} seeds": Watched(race, tuner, guess, seeds) for name, (tuner, guess) in RUNS.items()}
+    known = shipped().fingerprint
+    wanted = {f"{race}: {name}, {seeds} seeds": Watched(race, tuner, guess, seeds, known) for name, (tuner, guess) in RUNS.items()}
     found = context.each("curves", wanted, watch)
     curves = {name: _band(np.maximum.accumulate(np.array(found[key]), axis=1)) for key, name in zip(wanted, RUNS, strict=True)}
     published, people, band = (np.array(values, dtype=np.float64) for values in (AUTOTUNE_CURVE, EXPERTS_CURVE, EXPERTS_BAND))

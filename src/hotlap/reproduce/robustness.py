@@ -43,20 +43,17 @@ class Carried:
 
 
 def tune(wanted: Tuned) -> Iterator[list[list[float]]]:
-    """Confirmed parameters, K of each run; runs that confirmed none are left out."""
+    """The best parameters of each run, confirmed or not, K each."""
     course = course_for(prepare(wanted.race), tuners.build(TUNER))
     shared: dict[str, Any] = {"budget": wanted.budget, "confirm": 10, "validation": 0, "reliability": 0.0, "randomise": wanted.randomise}
     runs = [Tuning(tuners.build(TUNER), course, TuningSettings(seed=seed, **shared)) for seed in range(wanted.seeds)]
     for _ in tune_together(Objective(course, built_in_world(), randomise=wanted.randomise), runs):
         pass
-    yield [run.best.parameters[0].tolist() for run in runs if run.best is not None and run.best.confirmed]
+    yield [run.best.parameters[0].tolist() for run in runs if run.best is not None]
 
 
-def carry(wanted: Carried) -> Iterator[float | None]:
-    """Mean completion over all parameters; None without any."""
-    if not wanted.parameters:
-        yield None
-        return
+def carry(wanted: Carried) -> Iterator[float]:
+    """Mean completion over all parameters."""
     course = prepare(wanted.race)
     each = np.repeat(np.array(wanted.parameters)[:, None], len(course.segments), axis=1)
     seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, FLIGHTS), len(each))
@@ -157,7 +154,7 @@ def robustness(context: Context) -> Page:
     for axis, races in grids.items():
         labels = list(races)
         values = [[shares[f"{axis}: {row} flown at {column}, {seeds} seeds"] for column in labels] for row in labels]
-        matrix = np.array([[np.nan if value is None else value for value in row] for row in values])
+        matrix = np.array(values)
         unit = AXES[axis][0] if axis in AXES else "race"
         page.head(axis)
         path = context.folder / f"{axis.replace(' ', '-')}.png"
@@ -169,18 +166,14 @@ def robustness(context: Context) -> Page:
             matrix,
         )
         page.picture(path, f"completion: {axis}")
-        same, other = np.nanmean(np.diag(matrix)), np.nanmean(matrix[~np.eye(len(labels), dtype=bool)])
+        same, other = np.diag(matrix).mean(), matrix[~np.eye(len(labels), dtype=bool)].mean()
         page.say(f"Tuned where it is flown {percent(float(same))} %, elsewhere {percent(float(other))} %.")
     page.head("Tuned in randomised worlds")
     page.say(f"Flown under the same conditions, tuned on {base.name} as it is, or with `--randomise 0.1`:")
     for axis, races in grids.items():
         rows = [
-            [f"--randomise {spread:g}", *(_shown(shares[f"randomised by {spread:g}: {axis} {target}, {seeds} seeds"]) for target in races)]
+            [f"--randomise {spread:g}", *(percent(shares[f"randomised by {spread:g}: {axis} {target}, {seeds} seeds"]) for target in races)]
             for spread in SPREADS
         ]
         page.table((axis, *races), rows)
     return page
-
-
-def _shown(share: float | None) -> str:
-    return "-" if share is None else percent(share)
