@@ -118,13 +118,13 @@ def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
             chosen = (("rise", rise), ("ahead", ahead), ("least", least))
             cut = segment(course.reference, Rule.PAPER, **dict(chosen))
             ways.setdefault((tuple(cut.starts.tolist()), cut.classes), []).append(chosen)
-        cases = [Case(race, tuner, 6, thresholds=same[0]) for same in ways.values() for tuner in SEGMENTED]
+        cases = [Case(race, tuner, 4, thresholds=same[0]) for same in ways.values() for tuner in SEGMENTED]
         results = run_cases(kept, cases, jobs)
         yield f"\n{race}\n\n| segments | cuts | {' | '.join(SEGMENTED)} |\n|{'---|' * (2 + len(SEGMENTED))}"
         counts = sorted({len(starts) for starts, _ in ways})
         for count in counts:
             own = [same[0] for (starts, _), same in ways.items() if len(starts) == count]
-            cells = [shown([results[Case(race, tuner, 6, thresholds=one)] for one in own]) for tuner in SEGMENTED]
+            cells = [shown([results[Case(race, tuner, 4, thresholds=one)] for one in own]) for tuner in SEGMENTED]
             yield f"| {count} | {len(own)} | {' | '.join(cells)} |"
         yield f"\n| height [m] | look-ahead [s] | {' | '.join(f'least {least:g} s' for least in LEASTS)} |\n|{'---|' * (2 + len(LEASTS))}"
         for rise, ahead in product(RISES, LOOKS):
@@ -132,14 +132,14 @@ def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
             for least in LEASTS:
                 chosen = (("rise", rise), ("ahead", ahead), ("least", least))
                 (starts, _), same = next(item for item in ways.items() if chosen in item[1])
-                cells.append(f"{len(starts)}: {shown([results[Case(race, SEGMENTED[0], 6, thresholds=same[0])]])}")
+                cells.append(f"{len(starts)}: {shown([results[Case(race, SEGMENTED[0], 4, thresholds=same[0])]])}")
             yield f"| {rise:g} | {ahead:g} | {' | '.join(cells)} |"
 
 
 def rules(kept: LinesFile, jobs: int) -> Iterator[str]:
     """A table for each tuner: races by rules."""
     named = ("guided_walk:default", *SEGMENTED)
-    cases = {(tuner, race, rule): Case(race, tuner, 8, rule) for tuner in named for race in SOLVABLE for rule in Rule}
+    cases = {(tuner, race, rule): Case(race, tuner, 6, rule) for tuner in named for race in SOLVABLE for rule in Rule}
     results = run_cases(kept, list(cases.values()), jobs)
     for tuner in named:
         yield f"\n{tuner}\n\n| race | {' | '.join(Rule)} |\n|{'---|' * (1 + len(Rule))}"
@@ -154,7 +154,7 @@ def handover(kept: LinesFile, jobs: int) -> Iterator[str]:
     """Races with several segments by ways of handing over."""
     several = [race for race in SOLVABLE if not race.rpartition("airsim-")[2].startswith("circle")]
     for tuner in SEGMENTED:
-        cases = {(race, way): Case(race, tuner, 10, handover=way) for race in several for way in Handover}
+        cases = {(race, way): Case(race, tuner, 8, handover=way) for race in several for way in Handover}
         results = run_cases(kept, list(cases.values()), jobs)
         yield f"\n{tuner}\n\n| race | {' | '.join(Handover)} |\n|{'---|' * (1 + len(Handover))}"
         for race in several:
@@ -194,11 +194,9 @@ def by_class(case: Case, found: Sequence[Any]) -> tuple[tuple[str, tuple[float, 
 
 def transfer(kept: LinesFile, jobs: int) -> Iterator[str]:
     """For each rule and suite a matrix: from row to column."""
-    for suite, tuner in product(
-        (TABLE_I, tuple(race for race in SOLVABLE if race.startswith("airsim"))), ("guided_walk:segments", "guided_walk:default")
-    ):
+    for suite, tuner in product((TABLE_I, tuple(race for race in SOLVABLE if race.startswith("airsim"))), ("guided_walk:segments",)):
         for rule in (Rule.PAPER, Rule.AUTOMATIC, Rule.NONE):
-            sources = [Case(race, tuner, 6, rule, confirm=10, budget=500) for race in suite]
+            sources = [Case(race, tuner, 4, rule, confirm=10, budget=300) for race in suite]
             results = run_cases(kept, sources, jobs)
             flights = {
                 (source.race, target): Flown(source, target, by_class(source, results[source]["found"]))
