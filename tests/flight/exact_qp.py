@@ -96,7 +96,7 @@ def solution(mpc: Mpc) -> tuple[np.ndarray, np.ndarray]:
     h, low, high, gravity = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0], mpc.constants[0, 0]
     states, inputs, reference = mpc.X[..., 0], mpc.U[..., 0], mpc.reference[..., 0]
     nodes = len(inputs)
-    Q, R = stages.diagonal(mpc.weights[:, 0]), mpc.input_weights[:, 0]
+    Q, R = stages.diagonal(mpc.weights[0, :, 0]), mpc.input_weights[:, 0]
     free, response = np.zeros(9), np.zeros((9, 4 * nodes))  # deviation = free + response (inputs - near)
     H, f, near = np.diag(np.tile(R, nodes)), np.zeros(4 * nodes), np.zeros((nodes, 4))
     paths = []
