@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
@@ -115,65 +116,60 @@ SPREADS = (0.0, 0.1)  # of --randomise
 
 def robustness(context: Context) -> Page:
     """A matrix for each axis: rows tuned, columns flown; and a line for tuning in randomised worlds."""
-    from hotlap.report.reproduction import draw_matrix  # noqa: PLC0415  matplotlib takes half a second to load
-
-    base = load_race("circle-34" if context.quick else "qualifier-20")
-    seeds = 1 if context.quick else 5
-    grids: dict[str, dict[str, Race]] = {
-        name: {f"{value:g}": change(base, value) for value in (values[1:3] if context.quick else values)}
-        for name, (_, change, values) in AXES.items()
-    }
-    grids["layout"] = {name: load_race(name) for name in (RACES[:2] if context.quick else RACES)}
-    if context.quick:
-        grids = {name: grids[name] for name in ("mass", "layout")}
-    jobs = {f"{axis} {label}, {seeds} seeds": Tuned(race, seeds) for axis, races in grids.items() for label, race in races.items()}
-    jobs |= {f"randomised by {spread:g}, {seeds} seeds": Tuned(base, seeds, spread, 600) for spread in SPREADS}
-    found = context.each("controllers to tune", jobs, tune)
-    parameters = {key: tuple(map(tuple, values)) for key, values in found.items()}
+    base, seeds = load_race("circle-34" if context.quick else "qualifier-20"), 1 if context.quick else 5
+    grids = _conditions(base, quick=context.quick)
+    jobs = {f"{axis} {label}": Tuned(race, seeds) for axis, races in grids.items() for label, race in races.items()}
+    jobs |= {_randomised(spread): Tuned(base, seeds, spread, 600) for spread in SPREADS}
+    tuned = {key: tuple(map(tuple, values)) for key, values in context.each("controllers to tune", jobs, tune).items()}
     flights = {
-        f"{axis}: {label} flown at {target}, {seeds} seeds": Carried(race, parameters[f"{axis} {label}, {seeds} seeds"])
+        f"{source} flown at {axis} {target}": Carried(race, tuned[source])
         for axis, races in grids.items()
-        for label in races
-        for target, race in races.items()
-    }
-    flights |= {
-        f"randomised by {spread:g}: {axis} {target}, {seeds} seeds": Carried(race, parameters[f"randomised by {spread:g}, {seeds} seeds"])
-        for spread in SPREADS
-        for axis, races in grids.items()
+        for source in [*(f"{axis} {label}" for label in races), *map(_randomised, SPREADS)]
         for target, race in races.items()
     }
     shares = context.each("flights", flights, carry)
     page = Page("Robustness")
     page.say(
-        f"Mean completion [%] on {base.name} of {seeds} controllers, {FLIGHTS} flights each, tuned under the condition of a row "
-        "and flown under "
-        "that of a column. Neither the plan nor the controller knows of it, but for speed and layout, which change the plan. "
-        "Tuned from the "
-        "default weights."
+        f"Mean completion [%] on {base.name} of {seeds} controllers, {FLIGHTS} flights each, tuned under the condition of a row and flown "
+        "under that of a column. Neither the plan nor the controller knows of it, but for speed and layout, which change the plan. Tuned "
+        "from the default weights."
     )
     for axis, races in grids.items():
-        labels = list(races)
-        values = [[shares[f"{axis}: {row} flown at {column}, {seeds} seeds"] for column in labels] for row in labels]
-        matrix = np.array(values)
-        unit = AXES[axis][0] if axis in AXES else "race"
-        page.head(axis)
-        path = context.folder / f"{axis.replace(' ', '-')}.png"
-        draw_matrix(
-            path,
-            f"{axis} ({unit})",
-            f"mean completion [%], {base.name}" if axis != "layout" else "mean completion [%]",
-            (labels, labels),
-            matrix,
-        )
-        page.picture(path, f"completion: {axis}")
-        same, other = np.diag(matrix).mean(), matrix[~np.eye(len(labels), dtype=bool)].mean()
-        page.say(f"Tuned where it is flown {percent(float(same))} %, elsewhere {percent(float(other))} %.")
+        values = [[shares[f"{axis} {row} flown at {axis} {column}"] for column in races] for row in races]
+        _show_matrix(context, page, axis, list(races), np.array(values))
     page.head("Tuned in randomised worlds")
     page.say(f"Flown under the same conditions, tuned on {base.name} as it is, or with `--randomise 0.1`:")
     for axis, races in grids.items():
         rows = [
-            [f"--randomise {spread:g}", *(percent(shares[f"randomised by {spread:g}: {axis} {target}, {seeds} seeds"]) for target in races)]
+            [f"--randomise {spread:g}", *(percent(shares[f"{_randomised(spread)} flown at {axis} {target}"]) for target in races)]
             for spread in SPREADS
         ]
         page.table((axis, *races), rows)
     return page
+
+
+def _conditions(base: Race, *, quick: bool) -> dict[str, dict[str, Race]]:
+    """Races by axis and label; two of two axes in the short form."""
+    grids = {axis: {f"{value:g}": change(base, value) for value in values} for axis, (_, change, values) in AXES.items()}
+    grids["layout"] = {name: load_race(name) for name in RACES}
+    if not quick:
+        return grids
+    return {"mass": {label: grids["mass"][label] for label in ("0.8", "1")}, "layout": {name: grids["layout"][name] for name in RACES[:2]}}
+
+
+def _randomised(spread: float) -> str:
+    """Name of what is tuned with `--randomise`."""
+    return f"randomised by {spread:g}"
+
+
+def _show_matrix(context: Context, page: Page, axis: str, labels: list[str], shares: NDArray[np.float64]) -> None:
+    """One axis: the matrix, and its mean on the diagonal and beside it."""
+    from hotlap.report.reproduction import draw_matrix  # noqa: PLC0415  matplotlib takes half a second to load
+
+    unit = AXES[axis][0] if axis in AXES else "race"
+    path = context.folder / f"{axis.replace(' ', '-')}.png"
+    draw_matrix(path, f"{axis} ({unit})", "mean completion [%]", (labels, labels), shares)
+    same, other = np.diag(shares).mean(), shares[~np.eye(len(labels), dtype=bool)].mean()
+    page.head(axis)
+    page.picture(path, f"completion: {axis}")
+    page.say(f"Tuned where it is flown {percent(float(same))} %, elsewhere {percent(float(other))} %.")
