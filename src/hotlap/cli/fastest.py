@@ -11,7 +11,7 @@ import numpy as np
 
 from hotlap import __version__, tuners, worlds
 from hotlap.analysis.fastest import RELIABLE, Knobs, Trial, fastest, judge_plan, try_plan
-from hotlap.cli.flying import load, make_ready
+from hotlap.cli.flying import load, make_kind_ready
 from hotlap.cli.output import facts, note, percent, present, seconds
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
@@ -30,7 +30,6 @@ from hotlap.validation import RELIABILITY, Validation
 
 GOAL = "lap_time"
 RACE_FILE = "race.toml"
-COMPILED = "circle-34"  # whose plan is there
 ROUNDS = 40  # of plans tried around the best so far
 FIXED = {
     "reference": None,
@@ -60,7 +59,7 @@ def run(options: Namespace) -> int:
         raise StudyError(str(folder), "", "holds another study; give --out a folder of its own")
     words = ["hotlap", "tune", *options.arguments, *([] if options.out is not None else ["--out", str(folder)])]
     with remark(f"nothing is lost; go on with: {shlex.join(words)}"):
-        make_ready(worlds.build(options.on), prepare(load_race(COMPILED).with_controller(race.controller.kind)))
+        make_kind_ready(worlds.build(options.on), race.controller.kind)
         context = Context(folder, quick=False, jobs=0, progress=follow_pieces)
         best = fastest(race, tuner, settings, lambda trials: context.each("plans", trials, try_plan), ROUNDS)
         if best is not None:

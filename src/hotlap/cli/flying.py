@@ -20,6 +20,7 @@ from hotlap.race import Race
 from hotlap.segmentation import Rule
 from hotlap.worlds.world import World
 
+COMPILED = "circle-34"  # the race that a kernel is compiled with; it serves all
 TRAINING = ".json"  # what the files of training sets end with
 
 
@@ -45,6 +46,11 @@ def make_ready(world: World, course: Course) -> None:
             prepare_world(course)
     else:
         prepare_world(course)
+
+
+def make_kind_ready(world: World, kind: ControllerKind) -> None:
+    """The same where no course is at hand yet: for any race that a kind of controller flies."""
+    make_ready(world, prepare(load_race(COMPILED).with_controller(kind)))
 
 
 def read_parameters(path: Path, course: Course) -> Parameters:

@@ -11,7 +11,7 @@ from typing import Any
 
 from hotlap.analysis.learning import Lesson, Tuned, assemble, candidates_of, fly_lesson, lessons, tune_lesson
 from hotlap.analysis.lines_file import LinesFile
-from hotlap.cli.flying import make_ready
+from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
@@ -21,11 +21,9 @@ from hotlap.executor import spread
 from hotlap.faults import check
 from hotlap.files import load_race, replace
 from hotlap.first_guess.training_set import TrainingSet, write_training_set
-from hotlap.preparation import prepare
 from hotlap.worlds.built_in import BuiltIn
 
 FILE = "first_guess.json"
-COMPILED = "circle-34"  # whose plan is there
 
 
 def run(options: Namespace) -> int:
@@ -37,7 +35,7 @@ def run(options: Namespace) -> int:
         raise StudyError(str(folder), "", "is a file, not the folder of what is learnt")
     asked = _lessons(options.races) if options.races else lessons()
     with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'learn', *options.arguments])}"):
-        make_ready(BuiltIn(), prepare(load_race(COMPILED).with_controller(asked[0].race.controller.kind)))
+        make_kind_ready(BuiltIn(), asked[0].race.controller.kind)
         with LinesFile.opened(folder) as kept:
             training = _learn(asked, kept, options.jobs)
     path = folder / FILE

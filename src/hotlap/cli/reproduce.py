@@ -6,13 +6,13 @@ import shlex
 from argparse import Namespace
 from pathlib import Path
 
-from hotlap.cli.flying import make_ready
+from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
+from hotlap.controllers import ControllerKind
 from hotlap.errors import InputError, StudyError
 from hotlap.files import replace
-from hotlap.preparation import prepare
 from hotlap.reproduce.context import Context
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.worlds.built_in import BuiltIn
@@ -29,7 +29,7 @@ def run(options: Namespace) -> int:
         raise StudyError(str(folder), "", "is a file, not a folder for pages")
     pages = []
     with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'reproduce', *options.arguments])}"):
-        make_ready(BuiltIn(), prepare("circle-34"))
+        make_kind_ready(BuiltIn(), ControllerKind.MPC)
         for name in EXPERIMENTS if options.experiment == "all" else (options.experiment,):
             note(f"{name}:")
             context = Context(folder / (f"{name}-quick" if options.quick else name), options.quick, options.jobs, follow_pieces)

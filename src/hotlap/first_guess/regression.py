@@ -57,10 +57,12 @@ class _Median:
     """The median, whatever the features."""
 
     def fit(self, _: Floats, values: Floats) -> _Median:
+        """Values of shape (n, K)."""
         self._median = np.median(values, axis=0)
         return self
 
     def predict(self, features: Floats) -> Floats:
+        """Shape (m, K), for features of shape (m, F)."""
         return np.tile(self._median, (len(features), 1))
 
 

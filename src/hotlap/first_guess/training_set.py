@@ -128,6 +128,7 @@ class TrainingSet(Described):
         place = {index: i for i, index in enumerate(kept)}
 
         def narrowed(race: TrainingRace) -> TrainingRace:
+            """A race with the candidates that are left."""
             passed, completed = ("".join(digits[i] for i in kept) for digits in (race.passed, race.completed))
             return race.model_copy(update={"passed": passed, "completed": completed, "own": tuple(place[i] for i in race.own)})
 
