@@ -195,7 +195,7 @@ def by_class(case: Case, found: Sequence[Any]) -> tuple[tuple[str, tuple[float, 
 def transfer(kept: LinesFile, jobs: int) -> Iterator[str]:
     """For each rule and suite a matrix: from row to column."""
     for suite, tuner in product((TABLE_I, tuple(race for race in SOLVABLE if race.startswith("airsim"))), ("guided_walk:segments",)):
-        for rule in (Rule.PAPER, Rule.AUTOMATIC, Rule.NONE):
+        for rule in (Rule.PAPER, Rule.NONE):
             sources = [Case(race, tuner, 4, rule, confirm=10, budget=300) for race in suite]
             results = run_cases(kept, sources, jobs)
             flights = {

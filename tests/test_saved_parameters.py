@@ -33,10 +33,10 @@ def test_parameters_read_back_bit_for_bit(tmp_path, values, duration):
 
 
 def test_a_segment_of_several_pieces_is_one_table_with_lists_of_times(tmp_path):
-    kinds = (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN)
+    kinds = (SegmentClass.ASCENT, SegmentClass.FLAT, SegmentClass.ASCENT)
     segments = Segments(np.array([0.0, 1.1, 2.3]), kinds, 4.0, (0, 1, 0))
     save_parameters(tmp_path / "p.toml", SavedParameters("circle-34", NAMES, segments, np.array([[1.0, 2.0], [3.0, 4.0]])))
-    assert 'class = "turn"\nstart = [0.0, 2.3]\nend = [1.1, 4.0]\nQ_pos_xy = 1.0\n' in (tmp_path / "p.toml").read_text()
+    assert 'class = "ascent"\nstart = [0.0, 2.3]\nend = [1.1, 4.0]\nQ_pos_xy = 1.0\n' in (tmp_path / "p.toml").read_text()
     again = load_parameters(tmp_path / "p.toml")
     assert (again.segments.classes, again.segments.owners, again.segments.duration) == (kinds, (0, 1, 0), 4.0)
     assert again.segments.starts.tolist() == segments.starts.tolist()

@@ -372,7 +372,7 @@ def test_a_reference_packs_bit_for_bit():
 
 def test_shared_segments_come_back_and_change_the_fingerprint():
     asked = configure()
-    starts, kinds = np.array([0.0, 2.5, 4.0]), (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN)
+    starts, kinds = np.array([0.0, 2.5, 4.0]), (SegmentClass.ASCENT, SegmentClass.FLAT, SegmentClass.ASCENT)
     segments = Segments(starts, kinds, asked.course.segments.duration, owners=(0, 1, 0))
     shared = replace(asked, course=replace(asked.course, segments=segments))
     back = load_configuration(json.loads(json.dumps(shared.dump())), asked.course.reference)

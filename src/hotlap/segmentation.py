@@ -8,7 +8,7 @@ from enum import StrEnum
 from functools import partial
 
 from hotlap.reference import Reference
-from hotlap.segmentation_rules import by_acceleration, by_height, by_time
+from hotlap.segmentation_rules import by_height, by_time
 from hotlap.segments import Piece, SegmentClass, Segments
 
 __all__ = ["Piece", "Rule", "SegmentClass", "Segments", "segment"]
@@ -23,7 +23,6 @@ class Rule(StrEnum):
     RELEASED_3M: as another: 3 m within 102 samples.
     NONE: one segment, of the class that most of its rows are.
     EQUAL_TIME: pieces of equal time, of about 2 s, whatever they do.
-    AUTOMATIC: our own, by acceleration; pieces that do the same share their parameters.
     """
 
     PAPER = "paper"
@@ -31,7 +30,6 @@ class Rule(StrEnum):
     RELEASED_3M = "released_3m"
     NONE = "none"
     EQUAL_TIME = "equal_time"
-    AUTOMATIC = "automatic"
 
 
 RULES: Mapping[Rule, Callable[..., Segments]] = {
@@ -40,7 +38,6 @@ RULES: Mapping[Rule, Callable[..., Segments]] = {
     Rule.RELEASED_3M: partial(by_height, rise=3.0, ahead=1.02, slope=math.inf),
     Rule.NONE: partial(by_time, piece=math.inf),
     Rule.EQUAL_TIME: by_time,
-    Rule.AUTOMATIC: by_acceleration,
 }
 
 

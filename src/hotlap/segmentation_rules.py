@@ -12,21 +12,11 @@ The paper leaves room; what is settled here, so that the counts come close to th
   lasted 2 s; a last piece shorter than that joins its predecessor. Merging the shortest pieces first gives far too few.
 - A piece is what most of its rows are. Neighbours of one class stay apart.
 - The second half of a steep piece is split again only if it is steep itself.
-
-By acceleration, our own: a tracking error grows where the velocity of the reference changes, and how depends on whether it changes
-in length or in direction. With v and v' the velocities now and half a second later, and phi the angle between them:
-
-    |v' - v|^2 = along^2 + across^2,    along = |v'| - |v|,    across = 2 sqrt(|v| |v'|) sin(phi / 2)
-
-"cruise" where |v' - v| is small; else "turn" where across >= |along|, a "hard turn" where it needs more than 1 g, which is a bank of
-45 degrees in level flight; else "acceleration" or "braking". All pieces of one class are one segment, so that there are five at most,
-however long the track.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -42,15 +32,9 @@ LEAST_PIECE = 2.0  # s that a piece lasts before it may close
 STEEP_SLOPE = 1.0  # rise over run of a chord: tan(45 degrees)
 LEAST_HALF = 1.0  # s that the halves of a steep piece last
 
-CHANGE_AHEAD = 0.5  # s over which a change of velocity is looked at
-CHANGE_LEAST = 0.5  # s that a piece by acceleration lasts before it may close
-CRUISE = 3.0  # m/s^2: below this mean acceleration nothing happens
-HARD = 9.81  # m/s^2 across: tan(45 degrees) g
-
-TIE = 1e-9  # m or m/s: a rise of 1 m and a slope of 45 degrees are to mean the same wherever the track lies
+TIE = 1e-9  # m: a rise of 1 m and a slope of 45 degrees are to mean the same wherever the track lies
 
 BY_HEIGHT = {0: SegmentClass.FLAT, 1: SegmentClass.ASCENT, -1: SegmentClass.DESCENT}
-BY_ACCELERATION = (SegmentClass.CRUISE, SegmentClass.TURN, SegmentClass.HARD_TURN, SegmentClass.ACCELERATION, SegmentClass.BRAKING)
 
 
 def by_height(
@@ -86,43 +70,11 @@ def by_time(reference: Reference, *, piece: float = LEAST_PIECE) -> Segments:
     return Segments(np.array(borders[:-1]) * period, classes, reference.duration)
 
 
-def by_acceleration(
-    reference: Reference, *, cruise: float = CRUISE, hard: float = HARD, ahead: float = CHANGE_AHEAD, least: float = CHANGE_LEAST
-) -> Segments:
-    """Cruise, turn, hard turn, acceleration and braking; the pieces of one class are one segment.
-
-    Args:
-        reference: its planned rows are cut.
-        cruise: [m/s^2] mean acceleration below which nothing happens.
-        hard: [m/s^2] mean acceleration across the velocity beyond which a turn is hard.
-        ahead: [s] over which the velocity changes.
-        least: [s] that a piece lasts before it may close; a shorter last one joins its predecessor.
-    """
-    period = reference.period
-    kinds = _change_kinds(reference.velocity[: reference.planned_rows], cruise * ahead, hard * ahead, _rows(ahead, period))
-    borders = _borders(kinds, _rows(least, period))
-    each = [BY_ACCELERATION[_majority(kinds[first : max(last, first + 1)])] for first, last in pairwise(borders)]
-    new = [i for i, kind in enumerate(each) if i == 0 or kind is not each[i - 1]]
-    classes = tuple(each[i] for i in new)
-    return Segments(np.array([borders[i] for i in new]) * period, classes, reference.duration, _owners(classes))
-
-
 def _height_kinds(height: NDArray[np.float64], threshold: float, ahead: int) -> NDArray[np.int64]:
     """1 where the reference is about to rise, -1 where it is about to fall, else 0; shape (rows,)."""
     successor = np.minimum(np.arange(len(height)) + ahead, len(height) - 1)
     rise = height[successor] - height
     return (rise >= threshold - TIE).astype(np.int64) - (rise <= -threshold + TIE)
-
-
-def _change_kinds(velocity: NDArray[np.float64], least: float, hard: float, ahead: int) -> NDArray[np.int64]:
-    """Index in `BY_ACCELERATION` of each row, shape (rows,); the last rows, which have no successor, go on with what came before."""
-    ahead = min(ahead, len(velocity) - 1)
-    row = np.minimum(np.arange(len(velocity)), len(velocity) - 1 - ahead)
-    change = np.linalg.norm(velocity[row + ahead] - velocity[row], axis=1)
-    along = np.linalg.norm(velocity[row + ahead], axis=1) - np.linalg.norm(velocity[row], axis=1)
-    across = np.sqrt(np.maximum(change**2 - along**2, 0.0))
-    turning = across >= np.abs(along) - TIE
-    return np.select([change < least - TIE, turning & (across <= hard + TIE), turning, along > 0], [0, 1, 2, 3], 4)
 
 
 def _borders(kinds: NDArray[np.int64], least: int) -> list[int]:
@@ -152,12 +104,6 @@ def _split(
         return [(first, kind)]
     middle = (first + last) // 2
     return [(first, SegmentClass.STEEP), *_split(position, middle, last, kind, slope, least)]
-
-
-def _owners(classes: Sequence[SegmentClass]) -> tuple[int, ...]:
-    """One segment for each class, in order of their first pieces; empty where no class comes twice."""
-    order = list(dict.fromkeys(classes))
-    return tuple(order.index(kind) for kind in classes) if len(order) < len(classes) else ()
 
 
 def _rows(seconds: float, period: float) -> int:

@@ -10,17 +10,12 @@ from numpy.typing import NDArray
 
 
 class SegmentClass(StrEnum):
-    """What a part of a reference does: by its height (the paper's four), or by its acceleration."""
+    """What a part of a reference does (Sec. IV-C of the paper)."""
 
     FLAT = "flat"
     ASCENT = "ascent"
     DESCENT = "descent"
     STEEP = "steep"
-    CRUISE = "cruise"
-    ACCELERATION = "acceleration"
-    BRAKING = "braking"
-    TURN = "turn"
-    HARD_TURN = "hard_turn"
 
 
 @dataclass(frozen=True)

@@ -76,9 +76,9 @@ def test_the_curve_ends_where_the_run_does_and_the_tuner_is_on_the_clock():
 def test_a_key_changes_with_all_that_decides_about_a_run_but_its_seed():
     same = {cell().key, cell(seeds=(7,)).key}
     others = [cell("cma_es:log"), cell(budget=61), cell(confirm=5), cell(validation=10), cell(goal=parse_goal("mean_error<0.3"))]
-    others += [replace(cell(), segments=rule) for rule in (Rule.NONE, Rule.EQUAL_TIME, Rule.AUTOMATIC)]
+    others += [replace(cell(), segments=rule) for rule in (Rule.NONE, Rule.EQUAL_TIME)]
     assert len(same) == 1
-    assert len({*same, *(other.key for other in others)}) == 9
+    assert len({*same, *(other.key for other in others)}) == 8
 
 
 def test_what_is_done_is_not_flown_again_and_what_may_share_flights_does():

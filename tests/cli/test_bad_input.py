@@ -103,7 +103,7 @@ CASES = {
     "plan straight.toml --out nowhere/plan.csv": "nowhere/plan.csv: cannot be written: there is no folder nowhere",
     "plan straight.toml --picture plan.txt": "plan.txt: must end with .png, .svg, .pdf",
     "plan straight.toml --segments papre": "--segments: there is no segmentation rule named 'papre' (did you mean paper?); available: ",
-    "tune straight.toml --segments 1m": "--segments: there is no segmentation rule named '1m'; available: automatic, equal_time, none, ",
+    "tune straight.toml --segments 1m": "--segments: there is no segmentation rule named '1m'; available: equal_time, none, ",
     "fly straight.toml --segments=": "--segments: there is no segmentation rule named ''",
     "compare straight.toml --out c --segments all": "--segments: there is no segmentation rule named 'all'",
     "plan straight.toml --out=": "--out: must be a path, not ''",

@@ -75,16 +75,15 @@ def test_a_rule_decides_about_the_segments(hotlap):
     asked = {rule: hotlap("plan", "straight.toml", "--segments", rule, "--json").document["segments"] for rule in RULES}
     assert [len(asked[rule]) for rule in ("paper", "released_1m", "released_3m", "none", "equal_time")] == [2, 1, 1, 1, 2]
     assert asked["paper"] == hotlap("plan", "straight.toml", "--json").document["segments"]
-    assert asked["automatic"] == [{"class": "cruise", "start": 0.0, "end": 5.0, "segment": 0}]
 
 
 @pytest.mark.usefixtures("faked")
 def test_pieces_that_share_have_the_number_of_their_segment(hotlap, monkeypatch):
-    shared = Segments(np.array([0.0, 1.5, 3.5]), (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN), 5.0, (0, 1, 0))
+    shared = Segments(np.array([0.0, 1.5, 3.5]), (SegmentClass.ASCENT, SegmentClass.FLAT, SegmentClass.ASCENT), 5.0, (0, 1, 0))
     monkeypatch.setattr("hotlap.preparation.segment", lambda *_: shared)
-    ran = hotlap("plan", "straight.toml", "--segments", "automatic")
-    rows = [line.split() for line in ran.out.splitlines() if line.startswith(("  turn", "  cruise"))]
-    assert rows == [["turn", "0.00", "1.50", "1", "1"], ["cruise", "1.50", "3.50", "2", "2"], ["turn", "3.50", "5.00", "2", "1"]]
-    assert ran.out.endswith("1 turn 0.0-1.5 s   2 cruise 1.5-3.5 s   1 turn 3.5-5.0 s\n")
-    document = hotlap("plan", "straight.toml", "--segments", "automatic", "--json").document
+    ran = hotlap("plan", "straight.toml", "--segments", "paper")
+    rows = [line.split() for line in ran.out.splitlines() if line.startswith(("  ascent", "  flat"))]
+    assert rows == [["ascent", "0.00", "1.50", "1", "1"], ["flat", "1.50", "3.50", "2", "2"], ["ascent", "3.50", "5.00", "2", "1"]]
+    assert ran.out.endswith("1 ascent 0.0-1.5 s   2 flat 1.5-3.5 s   1 ascent 3.5-5.0 s\n")
+    document = hotlap("plan", "straight.toml", "--segments", "paper", "--json").document
     assert [piece["segment"] for piece in document["segments"]] == [0, 1, 0]

@@ -298,7 +298,7 @@ def test_names_that_a_shell_would_take_apart_come_back_whole(hotlap, here):
     assert ran.out.endswith("fly it again: hotlap fly 'my race.toml' --parameters 'my study'\n")
 
 
-@pytest.mark.parametrize(("rule", "count"), [("none", 1), ("equal_time", 2), ("automatic", 1)])
+@pytest.mark.parametrize(("rule", "count"), [("none", 1), ("equal_time", 2)])
 def test_a_race_is_tuned_and_flown_by_the_rule_that_is_asked_for(hotlap, here, rule, count):
     ran = hotlap(*EASY, "--segments", rule, "--out", "mine")
     assert ran.out.endswith(f"fly it again: hotlap fly straight.toml --parameters mine --segments {rule}\n")

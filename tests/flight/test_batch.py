@@ -218,7 +218,7 @@ def test_records_have_a_row_for_every_flight(whole):
 def test_pieces_of_one_segment_fly_with_its_weights():
     """Three pieces of which the first and the last share, and three segments of which two are given the same values."""
     course, (a, b) = make_course(noise=NOISE), SCATTERED[0]
-    starts, kinds = np.array([0.0, 0.8, BORDER]), (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN)
+    starts, kinds = np.array([0.0, 0.8, BORDER]), (SegmentClass.ASCENT, SegmentClass.FLAT, SegmentClass.ASCENT)
     shared, apart = (replace(course, segments=Segments(starts, kinds, course.segments.duration, owners)) for owners in ((0, 1, 0), ()))
     one, other = fly(shared, np.array([[a, b]] * 8)), fly(apart, np.array([[a, b, a]] * 8))
     assert_same(one, slice(None), other, slice(None))

@@ -86,15 +86,15 @@ def test_many_segments_can_be_drawn(tmp_path):
 
 
 def test_segments_of_several_pieces_can_be_drawn(tmp_path):
-    course, kinds = make_course(), (SegmentClass.TURN, SegmentClass.HARD_TURN, SegmentClass.TURN)
+    course, kinds = make_course(), (SegmentClass.ASCENT, SegmentClass.STEEP, SegmentClass.ASCENT)
     segments = Segments(np.array([0.0, 1.0, 2.5]), kinds, course.reference.duration, (0, 1, 0))
     course = replace(course, segments=segments)
     check(tmp_path, draw_study(tmp_path, course=course))
     draw_plan(tmp_path / "plan.png", course)
     change = compare(course.space, segments, course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), 0.5)
     named = texts(figures.tuned_parameters(change, "straight"))
-    assert "turn  3.5 s" in named
-    assert "hard_turn  1.0–2.5 s" in named
+    assert "ascent  3.5 s" in named
+    assert "steep  1.0–2.5 s" in named
 
 
 def test_every_class_has_a_colour():

@@ -9,7 +9,7 @@ from pathlib import Path
 from hotlap.cli.parser import Parser, fraction, one_of, path, whole
 
 KINDS = ("race", "track", "quadrotor")
-RULES = ("paper", "released_1m", "released_3m", "none", "equal_time", "automatic")
+RULES = ("paper", "released_1m", "released_3m", "none", "equal_time")
 GUESSES = ("learned", "paper", "default")
 REPRODUCED = Path("runs/reproduced")
 EXPERIMENTS = ("table1", "table2", "table3", "landscape", "experts", "robustness", "initialisations")

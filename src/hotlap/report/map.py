@@ -21,11 +21,6 @@ CLASS_CODES = {  # ANSI foreground colours
     SegmentClass.ASCENT: 32,
     SegmentClass.DESCENT: 33,
     SegmentClass.STEEP: 35,
-    SegmentClass.CRUISE: 36,
-    SegmentClass.ACCELERATION: 32,
-    SegmentClass.BRAKING: 31,
-    SegmentClass.TURN: 33,
-    SegmentClass.HARD_TURN: 35,
 }
 LEAST_EXTENT = 1.0  # m
 LEAST_COLUMNS = 34  # for a title

@@ -24,11 +24,6 @@ CLASS_COLOURS: Mapping[SegmentClass, str] = {  # Okabe and Ito
     SegmentClass.ASCENT: "#009e73",
     SegmentClass.DESCENT: "#e69f00",
     SegmentClass.STEEP: "#cc79a7",
-    SegmentClass.CRUISE: "#56b4e9",
-    SegmentClass.ACCELERATION: "#009e73",
-    SegmentClass.BRAKING: "#d55e00",
-    SegmentClass.TURN: "#e69f00",
-    SegmentClass.HARD_TURN: "#cc79a7",
 }
 SPEED_MAP = "viridis"
 GHOST_DASHES = (0, (4, 1.5))
