@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -27,6 +27,7 @@ Floats = NDArray[np.float64]
 TUNERS = ("metropolis_hastings:paper", "metropolis_hastings:tied", "guided_walk")
 PLACES, FLIGHTS = 9, 16  # along a line between two optima, and at each place
 CHAIN = "metropolis_hastings:tied"
+MOST_LINES = 60  # about
 CONVERGED = 1.1  # of Gelman and Rubin's ratio
 
 
@@ -39,6 +40,12 @@ class Start:
     seed: int
     budget: int
     keep: bool = False
+
+    @property
+    def label(self) -> str:
+        """Of a search, or of a chain that goes on whatever it meets."""
+        what = f", chain {self.seed}," if self.keep else f" by {self.tuner} from {self.seed},"
+        return f"{self.race}{what} {self.budget} flights"
 
 
 @dataclass(frozen=True)
@@ -82,93 +89,84 @@ def walk(wanted: Line) -> Iterator[list[float]]:
 
 def initialisations(context: Context) -> Page:
     """Twenty random starts, the lines between what they found, and long chains."""
-    from hotlap.report.reproduction import draw_marginals, draw_traces  # noqa: PLC0415  matplotlib takes half a second to load
-
     races = ("circle-34",) if context.quick else ("qualifier-20", "airsim-flip-16")
     count, budget, long = (2, 60, 100) if context.quick else (20, 1000, 5000)
-    starts = {
-        f"{race} by {tuner} from {seed}, {budget} flights": Start(race, tuner, seed, budget)
-        for race in races
-        for tuner in TUNERS
-        for seed in range(count)
-    }
-    chains = {
-        f"{race}, chain {seed}, {long} flights": Start(race, CHAIN, seed, long, keep=True)
-        for race in races
-        for seed in range(2 if context.quick else 4)
-    }
-    found = context.each("searches", {**starts, **chains}, search)
+    wanted = [Start(race, tuner, seed, budget) for race in races for tuner in TUNERS for seed in range(count)]
+    wanted += [Start(race, CHAIN, seed, long, keep=True) for race in races for seed in range(2 if context.quick else 4)]
+    named = {one.label: one for one in wanted}
+    found = {named[label]: result for label, result in context.each("searches", named, search).items()}
     page = Page("Random starts")
     page.say(
         f"{count} searches begin at parameters drawn evenly in logarithms within the bounds, the same in all segments; {budget} flights, "
         "ten re-flights."
     )
-    rows = []
+    heads = ("race", "tuner", "reach 100 % [%]", "median flights", "least", "most")
+    page.table(heads, [_how_many(found, race, tuner) for race in races for tuner in TUNERS])
     for race in races:
-        for tuner in TUNERS:
-            own = [found[key]["flights"] for key, one in starts.items() if (one.race, one.tuner) == (race, tuner)]
-            flights = [np.inf if one is None else one for one in own]
-            middle = np.median(flights)
-            rows.append(
-                [
-                    race,
-                    tuner,
-                    percent(float(np.isfinite(flights).mean())),
-                    f"{middle:.0f}" if np.isfinite(middle) else "-",
-                    f"{min(flights):.0f}",
-                    f"{max(flights):.0f}",
-                ]
-            )
-    page.table(("race", "tuner", "reach 100 % [%]", "median flights", "least", "most"), rows)
-    for race in races:
-        _describe(context, page, race, starts, chains, found, draw_traces, draw_marginals)
+        own = {start: result for start, result in found.items() if start.race == race}
+        page.head(race)
+        _show_traces(context, page, race, [_trace(result) for start, result in own.items() if start.tuner == TUNERS[1] and not start.keep])
+        optima = [tuple(map(tuple, result["found"])) for result in own.values() if result["found"]]
+        if len(optima) > 1:
+            _say_lines(context, page, race, optima)
+        _show_chains(context, page, race, [_trace(result) for start, result in own.items() if start.keep])
     return page
 
 
-def _describe(context: Context, page: Page, race: str, starts: Any, chains: Any, found: Any, draw_traces: Any, draw_marginals: Any) -> None:
-    """One race: traces, lines between optima, and the chains' distribution."""
-    space = prepare(load_race(race)).space
-    page.head(race)
-    traces = [np.array(found[key]["trace"]) for key, one in starts.items() if (one.race, one.tuner) == (race, TUNERS[1])]
-    path = context.folder / f"{race}-traces.png"
-    draw_traces(
-        path,
-        f"{race}: {TUNERS[1]} from random starts",
-        "accepted parameters over flights; a dot where the run ended",
-        space.names,
-        traces,
-        space.low,
-        space.high,
-    )
+def _how_many(found: Mapping[Start, Mapping[str, Any]], race: str, tuner: str) -> list[str]:
+    """A row: how many searches got there, and in how many flights."""
+    own = [result["flights"] for start, result in found.items() if (start.race, start.tuner, start.keep) == (race, tuner, False)]
+    flights = np.array([np.inf if one is None else one for one in own])
+    reached = percent(float(np.isfinite(flights).mean()))
+    return [
+        race,
+        tuner,
+        reached,
+        *(f"{value:.0f}" if np.isfinite(value) else "-" for value in (np.median(flights), min(flights), max(flights))),
+    ]
+
+
+def _trace(result: Mapping[str, Any]) -> Floats:
+    """Parameters on the way, shape (samples, K)."""
+    return np.array(result["trace"])
+
+
+def _show_traces(context: Context, page: Page, race: str, traces: list[Floats]) -> None:
+    """Parameters over flights."""
+    from hotlap.report.reproduction import draw_traces  # noqa: PLC0415  matplotlib takes half a second to load
+
+    path, space = context.folder / f"{race}-traces.png", prepare(load_race(race)).space
+    detail = "accepted parameters over flights; a dot where the run ended"
+    draw_traces(path, f"{race}: {TUNERS[1]} from random starts", detail, space.names, traces, space.low, space.high)
     page.picture(path, "parameters over flights")
-    optima = [tuple(map(tuple, found[key]["found"])) for key, one in starts.items() if one.race == race and found[key]["found"]]
-    if len(optima) > 1:
-        pairs = list(combinations(range(len(optima)), 2))[:: max(1, len(optima) * (len(optima) - 1) // 2 // 60)]
-        mark = hashlib.sha256(repr(optima).encode()).hexdigest()[:8]
-        lines = {f"{race}, optima {mark}: {i} to {j}": Line(race, optima[i], optima[j]) for i, j in pairs}
-        shares = np.array(list(context.each("lines", lines, walk).values()))
-        inside = shares[:, 1:-1].min(axis=1)
-        factors = ", ".join(f"{factor:.1f} in {name}" for name, factor in zip(space.names, _spread(optima), strict=True))
-        page.say(
-            f"{len(optima)} optima; along {len(lines)} straight lines between two of them, in logarithms, completion stays above 90 % on "
-            f"{percent(float((inside > 0.9).mean()))} %, and falls below 50 % on {percent(float((inside < 0.5).mean()))} %; the "
-            "mean lowest "
-            f"is {percent(float(inside.mean()))} %. The optima spread by a factor of {factors} "
-            "(from the 10th to the 90th percentile)."
-        )
-    samples = [np.array(found[key]["trace"])[len(found[key]["trace"]) // 5 :] for key, one in chains.items() if one.race == race]
-    path = context.folder / f"{race}-marginals.png"
-    ratios = gelman_rubin(np.log(np.array(samples)))
-    draw_marginals(
-        path,
-        f"{race}: what {CHAIN} samples",
-        f"{len(samples)} chains from random starts, the first fifth left out",
-        space.names,
-        samples,
-        space.low,
-        space.high,
+
+
+def _say_lines(context: Context, page: Page, race: str, optima: list[tuple[tuple[float, ...], ...]]) -> None:
+    """How completion fares between two optima."""
+    pairs = list(combinations(range(len(optima)), 2))
+    pairs = pairs[:: max(1, len(pairs) // MOST_LINES)]
+    mark = hashlib.sha256(repr(optima).encode()).hexdigest()[:8]
+    lines = {f"{race}, optima {mark}: {i} to {j}": Line(race, optima[i], optima[j]) for i, j in pairs}
+    lowest = np.array(list(context.each("lines", lines, walk).values()))[:, 1:-1].min(axis=1)
+    names = prepare(load_race(race)).space.names
+    factors = ", ".join(f"{factor:.1f} in {name}" for name, factor in zip(names, _spread(optima), strict=True))
+    page.say(
+        f"{len(optima)} optima; along {len(lines)} straight lines between two of them, in logarithms, completion stays above 90 % on "
+        f"{percent(float((lowest > 0.9).mean()))} %, and falls below 50 % on {percent(float((lowest < 0.5).mean()))} %; the mean lowest is "
+        f"{percent(float(lowest.mean()))} %. The optima spread by a factor of {factors} (from the 10th to the 90th percentile)."
     )
+
+
+def _show_chains(context: Context, page: Page, race: str, chains: list[Floats]) -> None:
+    """What long chains sample, and whether they agree."""
+    from hotlap.report.reproduction import draw_marginals  # noqa: PLC0415  matplotlib takes half a second to load
+
+    path, space = context.folder / f"{race}-marginals.png", prepare(load_race(race)).space
+    samples = [chain[len(chain) // 5 :] for chain in chains]
+    detail = f"{len(samples)} chains from random starts, the first fifth left out"
+    draw_marginals(path, f"{race}: what {CHAIN} samples", detail, space.names, samples, space.low, space.high)
     page.picture(path, "marginals of long chains")
+    ratios = gelman_rubin(np.log(np.array(samples)))
     agreed = "agree" if (ratios < CONVERGED).all() else "do not agree"
     shown = ", ".join(f"{name} {ratio:.2f}" for name, ratio in zip(space.names, ratios, strict=True))
     page.say(f"Gelman and Rubin's ratio over the chains: {shown}; below {CONVERGED} they agree. They {agreed}.")
