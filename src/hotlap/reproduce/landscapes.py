@@ -17,11 +17,14 @@ from hotlap.race import Race
 from hotlap.reproduce.context import Context
 from hotlap.reproduce.page import Page, percent
 from hotlap.seeds import Stream, flight_seeds
+from hotlap.validation import wilson_interval
 
 MAPPED: Mapping[str, tuple[float, float]] = {"circle-34": (12.0, 34.0), "qualifier-20": (12.0, 20.0)}  # m/s, slow and fast
 SPEEDS: Mapping[str, tuple[float, ...]] = {
     "circle-34": (12.0, 16.0, 20.0, 26.0, 34.0, 45.0),
     "qualifier-20": (12.0, 14.0, 16.0, 18.0, 20.0, 22.0, 24.0),
+    "airsim-circle-34": (12.0, 16.0, 20.0, 26.0, 34.0),
+    "airsim-qualifier-20": (12.0, 14.0, 16.0, 18.0, 20.0),
 }
 PAIRS = (("Q_pos_xy", "horizon"), ("Q_pos_xy", "Q_velocity"))
 POINTS, FLIGHTS, SAMPLES = 60, 8, 4000
@@ -98,14 +101,23 @@ def _scatter(context: Context, page: Page) -> None:
     found = context.each("speeds", pieces, scatter)
     rows = {(name, v_max): found[f"{name} at {v_max:g} m/s, {samples} samples"] for name, own in speeds.items() for v_max in own}
     page.head("The faster, the more sensitive")
-    page.say(f"Share of {samples} random parameters, one set for all segments, even in logarithms within the bounds, that pass every gate:")
+    page.say(
+        f"Share of {samples} random parameters, one set for all segments, even in logarithms within the bounds, that pass every gate, "
+        "with Wilson's 95 % interval:"
+    )
     page.table(
         ("race", "v_max [m/s]", "top speed of the plan [m/s]", "mean speed [m/s]", "complete %", "mean completion %"),
         [
-            (name, f"{v_max:g}", f"{row['top']:.1f}", f"{row['mean']:.1f}", f"{100 * row['complete']:.1f}", percent(row["completion"]))
+            (name, f"{v_max:g}", f"{row['top']:.1f}", f"{row['mean']:.1f}", _share(row["complete"], samples), percent(row["completion"]))
             for (name, v_max), row in rows.items()
         ],
     )
     path = context.folder / "shares.png"
     draw_shares(path, {name: [rows[name, v_max] for v_max in own] for name, own in speeds.items()})
     page.picture(path, "share of random parameters that complete, over the mean speed of the plan")
+
+
+def _share(share: float, samples: int) -> str:
+    """In per cent, with its interval."""
+    low, high = wilson_interval(round(share * samples), samples)
+    return f"{100 * share:.1f} [{100 * low:.1f}, {100 * high:.1f}]"

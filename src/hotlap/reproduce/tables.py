@@ -11,6 +11,7 @@ from hotlap.analysis.comparison import Cell, Run
 from hotlap.analysis.comparison_table import summarise
 from hotlap.analysis.fastest import FRESH, RELIABLE, Knobs, Trial, fastest, judge_plan, try_plan
 from hotlap.analysis.learning import built_in_world
+from hotlap.analysis.statistics import bootstrap_interval, means
 from hotlap.files import load_race
 from hotlap.first_guess.guess import first_guess
 from hotlap.preparation import prepare
@@ -71,10 +72,9 @@ def table1(context: Context) -> Page:
     runs = context.compare(list(cells.values()))
     page = Page("Table I: completion")
     page.say(
-        "Mean completion [%] of the best candidate at the end of a run, the paper's in brackets; below each, the share of runs that "
-        f"confirmed a controller [%] and the median search flights. {len(seeds)} seeds, from the authors' default weights; the "
-        "paper begins at "
-        "its learned guess."
+        "Mean completion [%] of the best candidate at the end of a run, with a 95 % interval by resampling, the paper's in round brackets; "
+        f"below each, the share of runs that confirmed a controller [%] with Wilson's interval / median search flights. {len(seeds)} "
+        "seeds, from the authors' default weights; the paper begins at its learned guess."
     )
     for suite, own in suites.items():
         page.head(suite)
@@ -88,8 +88,9 @@ def _table1_rows(races: Sequence[Race], methods: Mapping[str, Any], runs: Sequen
     for method, (tuner, _) in methods.items():
         cells = [method]
         for race, value in zip(races, TABLE_I.get(method, ()) or [None] * len(races), strict=False):
-            own = np.mean([run.completion for run in runs if run.race == race.name and run.tuner.startswith(tuner)])
-            cells.append(f"{percent(float(own))} ({value})" if published and value is not None else percent(float(own)))
+            own = np.array([run.completion for run in runs if run.race == race.name and run.tuner.startswith(tuner)])
+            shown = f"{percent(float(own.mean()))}{between(bootstrap_interval(own, means))}"
+            cells.append(f"{shown} ({value})" if published and value is not None else shown)
         yield cells
 
 
@@ -99,7 +100,13 @@ def _solved_rows(races: Sequence[Race], methods: Mapping[str, Any], runs: Sequen
         rows = [
             summarise(race.name, tuner, [run for run in runs if run.race == race.name and run.tuner.startswith(tuner)]) for race in races
         ]
-        yield [method, *(f"{percent(row.success_rate)} / {median(row.flights_median)}" for row in rows)]
+        yield [method, *(f"{percent(row.success_rate)}{between(row.success_interval)} / {median(row.flights_median)}" for row in rows)]
+
+
+def between(interval: tuple[float, float]) -> str:
+    """An interval of a share, with a space before it; nothing where it has no width."""
+    low, high = map(percent, interval)
+    return "" if low == high else f" [{low}, {high}]"
 
 
 def median(flights: float) -> str:
@@ -216,6 +223,5 @@ def table3(context: Context) -> Page:
 
 def _with_intervals(runs: Sequence[Run]) -> str:
     row = summarise("", "", runs)
-    low, high = (percent(end) for end in row.success_interval)
     first, last = (median(end) for end in row.flights_interval)
-    return f"{percent(row.success_rate)} [{low}, {high}] / {median(row.flights_median)} [{first}, {last}]"
+    return f"{percent(row.success_rate)}{between(row.success_interval)} / {median(row.flights_median)} [{first}, {last}]"
