@@ -3,6 +3,7 @@
 #   make tune      tune circle-34 (RACE=flip-16 for another race, ARGS="--seed 1" for options)
 #   make test      run the tests
 #   make lint      check style            make types     check types
+#   make docs      build the documentation: build/docs/index.html
 #   make bench     measure the flights    make studies   run the tests of minutes
 #   make benchmarks   measure everything  make clean     remove .venv and caches
 #   make first-guess   learn first guesses anew, a quarter of an hour, resumable
@@ -50,8 +51,10 @@ first-guess: $(VENV)/.hotlap
 	$(BIN)/hotlap learn --out build/first-guess $(ARGS)
 	cp build/first-guess/first_guess.json src/hotlap/data/first_guess.json
 
-docs: $(VENV)/.hotlap
+docs: $(VENV)/.docs
 	$(BIN)/python docs/tables.py
+	$(BIN)/python -m sphinx -W --keep-going -q -n docs build/docs $(ARGS)
+	@echo "open build/docs/index.html"
 
 venv: $(VENV)/.dev
 
@@ -73,6 +76,10 @@ $(VENV)/.hotlap: pyproject.toml | $(VENV)/.pip
 
 $(VENV)/.test: $(VENV)/.hotlap
 	$(BIN)/python -m pip install --quiet --group test
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.hotlap
+	$(BIN)/python -m pip install --quiet --group docs
 	@touch $@
 
 $(VENV)/.benchmark: $(VENV)/.hotlap

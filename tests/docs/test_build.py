@@ -1,0 +1,47 @@
+"""The documentation builds without a warning, from the code as it is."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from docs.pages import DOCS, ROOT
+from hotlap.cli.arguments import COMMANDS
+
+pytest.importorskip("sphinx", reason="make docs installs it")
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("docs")
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-n", str(DOCS), str(folder)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), os.environ.get("PYTHONPATH", "")])}
+    ran = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    assert ran.returncode == 0, ran.stderr
+    return folder
+
+
+def test_every_command_and_option_is_in_the_reference(built):
+    page = (built / "commands.html").read_text(encoding="utf-8")
+    for name, command in COMMANDS.items():
+        assert f"hotlap {name}" in page
+        for action in command.parser(name)._actions:
+            assert all(option in page for option in action.option_strings)
+
+
+def test_no_page_needs_the_network_to_be_read(built):
+    for page in built.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        assert not re.search(r"""<(script|link|img)\b[^>]*(src|href)=["'](https?:)?//""", text), page.name
+
+
+def test_formulas_have_become_mathml(built):
+    for page in ("planning", "scoring", "search"):
+        text = (built / f"{page}.html").read_text(encoding="utf-8")
+        assert "<math" in text
+        assert "\\begin" not in text
+        assert "$$" not in text

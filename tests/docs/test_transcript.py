@@ -1,0 +1,32 @@
+"""What a page tells its reader to do works, and prints what the page says."""
+
+from __future__ import annotations
+
+import pytest
+
+from docs.pages import DOCS, program
+
+transcript = program("transcript")
+PAGES = ["index.md", "tutorial.md"]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_can_be_followed_from_an_empty_folder(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = (DOCS / page).read_text(encoding="utf-8")
+    commands = 0
+    for command, printed in transcript.perform(text):
+        commands += 1
+        assert transcript.outline(printed) == transcript.outline(command.printed), " ".join(command.words)
+    assert commands
+
+
+def test_other_words_are_noticed_and_other_digits_are_not():
+    assert transcript.outline("holds in  99 % of 200 flights [97, 100]\n") == transcript.outline("holds in 8.5 % of 50 flights [0, 1]")
+    assert transcript.outline("confirmed in 3 flights") != transcript.outline("NOT confirmed in 3 flights")
+
+
+def test_a_command_that_fails_is_noticed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(transcript.CommandError, match="exit status 2"):
+        list(transcript.perform("```console\n$ hotlap check nowhere.toml\n```\n"))
