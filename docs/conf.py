@@ -40,7 +40,7 @@ nitpick_ignore_regex = [
 ]
 
 html_theme = "furo"
-html_title = f"hotlap {version}"
+html_title = "hotlap"
 html_static_path = ["style"]
 html_css_files = ["page.css"]
 html_math_renderer = "mathml"

@@ -17,6 +17,7 @@ SECTION = re.compile(r"(Args|Attributes|Raises|Returns|Yields):$")
 MEMBER = re.compile(r"([A-Z][A-Z0-9_]*): (.*)")
 CODE = re.compile(r"`([^`]*)`(?=(\w?))")
 SPECIAL = re.compile(r"([|*]|(?<=\w)_(?!\w))")
+ARRAY = re.compile(r"~?(?:numpy\.)?ndarray\[~?tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:numpy\.)?(\w+)\]\]")
 ITEM = ("- ", "* ")
 
 
@@ -90,7 +91,15 @@ def listed(paragraph: list[str]) -> list[str]:
     return shown
 
 
+def shorten(
+    _: Sphinx, __: str, ___: str, ____: Any, _____: Any, arguments: str | None, returned: str | None
+) -> tuple[str | None, str | None]:
+    """A signature with arrays as they are written."""
+    return ARRAY.sub(r"NDArray[\1]", arguments or "") or None, ARRAY.sub(r"NDArray[\1]", returned or "") or None
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Change docstrings before the sections are read."""
     app.connect("autodoc-process-docstring", prepare, priority=100)
+    app.connect("autodoc-process-signature", shorten)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

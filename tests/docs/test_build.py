@@ -40,7 +40,7 @@ def test_no_page_needs_the_network_to_be_read(built):
 
 
 def test_formulas_have_become_mathml(built):
-    for page in ("planning", "scoring", "search"):
+    for page in ("planning", "scoring", "proof"):
         text = (built / f"{page}.html").read_text(encoding="utf-8")
         assert "<math" in text
         assert "\\begin" not in text
