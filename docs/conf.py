@@ -22,6 +22,7 @@ extensions = [
     "extensions.docstrings",
     "extensions.interface",
     "extensions.mathematics",
+    "extensions.pairs",
 ]
 exclude_patterns = ["extensions"]
 myst_enable_extensions = ["dollarmath", "deflist"]

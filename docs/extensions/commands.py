@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import re
+import textwrap
 
 from sphinx.application import Sphinx
 
 from hotlap.cli.arguments import COMMANDS, Command
 
 PLACEHOLDER = "<!-- commands -->"
+WIDTH = 82  # of a usage, so that a page does not scroll
+OPTIONAL = re.compile(r"\[[^]]*\]")
+KEPT = "\0"
 
 
 def reference() -> str:
@@ -19,7 +24,9 @@ def reference() -> str:
 def section(name: str, command: Command) -> str:
     """What a command does, its usage, arguments and examples."""
     parser = command.parser(name)
-    usage = " ".join(parser.format_usage().removeprefix("usage: ").split())
+    words = " ".join(parser.format_usage().removeprefix("usage: ").split())
+    kept = OPTIONAL.sub(lambda option: option[0].replace(" ", KEPT), words)  # an option stays on its line
+    usage = textwrap.fill(kept, WIDTH, subsequent_indent=" " * len(f"hotlap {name} "), break_on_hyphens=False).replace(KEPT, " ")
     rows = "\n".join(row(action) for action in parser._actions)  # noqa: SLF001  argparse has no other list of them
     examples = "\n\n".join(f"    {line}" for line in command.examples)
     parts = [f"## hotlap {name}", command.summary.replace("\n", " "), f"```text\n{usage}\n```", f"| argument | |\n|---|---|\n{rows}"]

@@ -41,7 +41,8 @@ def modules(package: str) -> list[str]:
 
 def expanded(names: str) -> list[str]:
     """Modules by name; `name.` with its dot behind stands for a package with all its modules."""
-    return [module for name in names.split() for module in (modules(name[:-1]) if name.endswith(".") else [name])]
+    found = [module for name in names.split() for module in (modules(name[:-1]) if name.endswith(".") else [name])]
+    return list(dict.fromkeys(found))
 
 
 def section(module: str) -> str:

@@ -11,6 +11,7 @@ from sphinx.application import Sphinx
 from sphinx.util import logging
 from sphinx.writers.html5 import HTML5Translator
 
+BAR = re.compile(r"<mo>(?=&#x0(2016|007C);</mo>)")  # of a norm, an absolute value
 UNREAD = re.compile(r"<m[ion]>(&(?![#\w])|\\)")  # what the converter left as it was
 
 logger = logging.getLogger(__name__)
@@ -19,6 +20,7 @@ logger = logging.getLogger(__name__)
 def mathml(node: nodes.Node, display: Literal["inline", "block"]) -> str:
     """A formula, or a warning where it is not understood."""
     written = convert(node.astext().replace("{aligned}", "{align*}"), display=display)
+    written = BAR.sub('<mo stretchy="false">', written)  # else the left one grows with the line, and the right one does not
     if UNREAD.search(written):
         logger.warning("a formula was not understood: %s", node.astext(), location=node)
     return written

@@ -13,7 +13,7 @@ DOCS = ROOT / "docs"
 
 def program(name: str) -> ModuleType:
     """A module of the folder docs, which is no package."""
-    specification = importlib.util.spec_from_file_location(f"docs_{name}", DOCS / f"{name}.py")
+    specification = importlib.util.spec_from_file_location(f"docs_{name.replace('/', '_')}", DOCS / f"{name}.py")
     assert specification is not None
     assert specification.loader is not None
     module = importlib.util.module_from_spec(specification)
