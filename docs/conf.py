@@ -40,6 +40,8 @@ nitpick_ignore_regex = [
     (r"py:.*", r"(?!hotlap\.).*"),  # no other project's inventory is fetched: a build needs no network
 ]
 
+smartquotes_action = "qe"  # quotes and dots; two dashes begin an option
+
 html_theme = "furo"
 html_title = "hotlap"
 html_static_path = ["style"]
