@@ -13,6 +13,8 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
+from hotlap.schema import Described
+
 SECTION = re.compile(r"(Args|Attributes|Raises|Returns|Yields):$")
 MEMBER = re.compile(r"([A-Z][A-Z0-9_]*): (.*)")
 CODE = re.compile(r"`([^`]*)`(?=(\w?))")
@@ -92,9 +94,11 @@ def listed(paragraph: list[str]) -> list[str]:
 
 
 def shorten(
-    _: Sphinx, __: str, ___: str, ____: Any, _____: Any, arguments: str | None, returned: str | None
+    _: Sphinx, __: str, ___: str, described: Any, ____: Any, arguments: str | None, returned: str | None
 ) -> tuple[str | None, str | None]:
-    """A signature with arrays as they are written."""
+    """A signature with arrays as they are written; none for what is read from files, whose keys are its attributes."""
+    if isinstance(described, type) and issubclass(described, Described):
+        return "", None
     return ARRAY.sub(r"NDArray[\1]", arguments or "") or None, ARRAY.sub(r"NDArray[\1]", returned or "") or None
 
 

@@ -47,7 +47,7 @@ def expanded(names: str) -> list[str]:
 
 def section(module: str) -> str:
     """A module with all that it defines."""
-    return f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n   :ignore-module-all:\n```\n"
+    return f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n   :ignore-module-all:\n   :exclude-members: model_config\n```\n"
 
 
 def fill(_: Sphinx, __: str, source: list[str]) -> None:

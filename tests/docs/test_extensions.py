@@ -8,6 +8,7 @@ import pytest
 
 from docs.pages import program
 from hotlap.cli.arguments import COMMANDS
+from hotlap.quadrotor import Quadrotor
 
 nodes = pytest.importorskip("docutils.nodes", reason="make docs installs it")
 commands, docstrings, interface, mathematics, pairs = (
@@ -42,6 +43,12 @@ def test_attributes_are_a_list_and_arguments_are_left_to_sphinx():
     text = read("What.\n\nArgs:\n    a: one.\n\nAttributes:\n    low, high: bounds,\n        of all.")
     assert "Args:\n    a: one." in text
     assert ":Attributes:\n\n    - **low, high**: bounds,\n          of all." in text
+
+
+def test_a_signature_has_arrays_as_they_are_written_and_descriptions_have_none():
+    array = "ndarray[tuple[Any, ...], dtype[float64]]"
+    assert docstrings.shorten(None, "", "", read, None, f"(a: {array})", array) == ("(a: NDArray[float64])", "NDArray[float64]")
+    assert docstrings.shorten(None, "", "", Quadrotor, None, "(mass: float)", None) == ("", None)
 
 
 def test_pairs_of_numbers_are_tied_in_tables_only():
