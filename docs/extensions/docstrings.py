@@ -11,6 +11,8 @@ from enum import EnumMeta
 from itertools import groupby
 from typing import Any
 
+from docutils import nodes
+from sphinx import addnodes
 from sphinx.application import Sphinx
 
 from hotlap.schema import Described
@@ -19,15 +21,20 @@ SECTION = re.compile(r"(Args|Attributes|Raises|Returns|Yields):$")
 MEMBER = re.compile(r"([A-Z][A-Z0-9_]*): (.*)")
 CODE = re.compile(r"`([^`]*)`(?=(\w?))")
 SPECIAL = re.compile(r"([|*]|(?<=\w)_(?!\w))")
-ARRAY = re.compile(r"~?(?:numpy\.)?ndarray\[~?tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:numpy\.)?(\w+)\]\]")
-ITEM = ("- ", "* ")
+HOME = r"~?(?:\w+\.)?"  # before a name
+ARRAY = re.compile(rf"{HOME}ndarray\[{HOME}tuple\[{HOME}Any, \.\.\.\], {HOME}dtype\[{HOME}(\w+(?:\[{HOME}Any\])?)\]\]")
+VALUES = ("attribute", "data", "property")
+COLON = "\ue000"  # stands for a colon before which napoleon would see a type
+ITEM = re.compile(r"[-*] |\d+\. ")
 
 
-def prepare(_: Sphinx, __: str, ___: str, described: Any, ____: Any, lines: list[str]) -> None:
+def prepare(_: Sphinx, kind: str, __: str, described: Any, ___: Any, lines: list[str]) -> None:
     """Change the lines of a docstring in place."""
     body, sections = split(lines)
     body = members(body) if isinstance(described, EnumMeta) else body
     lines[:] = [*marked_up(body), *attributes([escape(line) for line in sections])]
+    if kind in VALUES:
+        lines[:] = [line.replace(":", COLON) for line in lines]
 
 
 def split(lines: list[str]) -> tuple[list[str], list[str]]:
@@ -81,15 +88,17 @@ def marked_up(lines: list[str]) -> list[str]:
 
 
 def listed(paragraph: list[str]) -> list[str]:
-    """A paragraph in which items are set off from prose by blank lines."""
-    shown, listing = [], False
+    """A paragraph in which items are set off from prose by blank lines, and lines that are indented below prose stay lines."""
+    shown, before, width = [], "", 0
     for line in paragraph:
-        item = line.startswith(ITEM)
-        if shown and item != listing and not line.startswith(" "):
-            shown.append("")
-        listing = item or (listing and line.startswith(" "))
-        indent = "  " if listing else ""
-        shown.append(line[:2] + escape(line[2:]) if item else indent + escape(line.strip()))
+        item, text = ITEM.match(line), line.strip()
+        if item:
+            kind, width, text = "item", item.end(), line[item.end() :]
+        else:
+            kind = "prose" if not line.startswith(" ") else "item" if before == "item" else "verse"
+        mark = item[0] if item else {"prose": "", "item": " " * width, "verse": "| "}[kind]
+        shown += [*([""] if before not in {"", kind} else []), mark + escape(text)]
+        before = kind
     return shown
 
 
@@ -102,8 +111,22 @@ def shorten(
     return ARRAY.sub(r"NDArray[\1]", arguments or "") or None, ARRAY.sub(r"NDArray[\1]", returned or "") or None
 
 
+def shorten_annotations(_: Sphinx, document: nodes.document) -> None:
+    """The same for the types of properties and attributes."""
+    for annotation in document.findall(addnodes.desc_annotation):
+        if ARRAY.search(annotation.astext()):
+            annotation[:] = [nodes.Text(ARRAY.sub(r"NDArray[\1]", annotation.astext()))]
+
+
+def restore_colons(_: Sphinx, __: str, ___: str, ____: Any, _____: Any, lines: list[str]) -> None:
+    """Bring back what `prepare` hid."""
+    lines[:] = [line.replace(COLON, ":") for line in lines]
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Change docstrings before the sections are read."""
     app.connect("autodoc-process-docstring", prepare, priority=100)
+    app.connect("autodoc-process-docstring", restore_colons, priority=900)
     app.connect("autodoc-process-signature", shorten)
+    app.connect("doctree-read", shorten_annotations)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -47,7 +47,9 @@ def expanded(names: str) -> list[str]:
 
 def section(module: str) -> str:
     """A module with all that it defines."""
-    return f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n   :ignore-module-all:\n   :exclude-members: model_config\n```\n"
+    options = ("members", "ignore-module-all", "exclude-members: model_config")
+    shown = "\n".join(f"   :{option}" if ": " in option else f"   :{option}:" for option in options)
+    return f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n{shown}\n```\n"
 
 
 def fill(_: Sphinx, __: str, source: list[str]) -> None:

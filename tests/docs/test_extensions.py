@@ -32,6 +32,7 @@ def test_indented_lines_are_literal():
 
 def test_a_list_is_set_off_and_its_items_go_on():
     assert read("Two:\n- one\n  more\n- two") == "Two:\n\n- one\n  more\n- two\n"
+    assert read("1. one\n   more\n2. two") == "1. one\n   more\n2. two\n"
 
 
 def test_members_of_an_enumeration_are_a_list():
@@ -43,6 +44,18 @@ def test_attributes_are_a_list_and_arguments_are_left_to_sphinx():
     text = read("What.\n\nArgs:\n    a: one.\n\nAttributes:\n    low, high: bounds,\n        of all.")
     assert "Args:\n    a: one." in text
     assert ":Attributes:\n\n    - **low, high**: bounds,\n          of all." in text
+
+
+def test_lines_that_are_indented_below_prose_stay_lines():
+    assert read("Conventions\n    x ahead.\n    |y| left.") == "Conventions\n\n| x ahead.\n| \\|y\\| left.\n"
+
+
+def test_what_stands_before_a_colon_is_no_type():
+    lines = ["Gates: shape (M, 3)."]
+    docstrings.prepare(None, "property", "", None, None, lines)
+    assert ":" not in lines[0]
+    docstrings.restore_colons(None, "property", "", None, None, lines)
+    assert lines == ["Gates: shape (M, 3).", ""]
 
 
 def test_a_signature_has_arrays_as_they_are_written_and_descriptions_have_none():
