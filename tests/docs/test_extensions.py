@@ -65,9 +65,9 @@ def test_a_signature_has_arrays_as_they_are_written_and_descriptions_have_none()
 
 
 def test_pairs_of_numbers_are_tied_in_tables_only():
-    source = ["| 100 / 3 | - / - |\n100 / 3"]
+    source = ["| 100 [84, 99] / 3 | - / - |\n100 / 3"]
     pairs.keep(None, "", source)
-    assert source == ["| 100\u00a0/\u00a03 | -\u00a0/\u00a0- |\n100 / 3"]
+    assert source == ["| 100 [84,\u00a099]\u00a0/\u00a03 | -\u00a0/\u00a0- |\n100 / 3"]
 
 
 def test_every_public_name_has_a_row_that_leads_to_its_module():

@@ -1,0 +1,46 @@
+"""What the documentation says of `--json` is there."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+from docs.pages import DOCS
+from hotlap.cli import main
+
+ROW = re.compile(r"^\| `(\w+)` \| (.*) \|$", re.MULTILINE)
+COMMANDS = {
+    "races": [],
+    "check": ["circle-34"],
+    "new": ["track", "mine"],
+    "plan": ["circle-34"],
+    "tune": ["circle-34", "--validation", "10", "--out", "study"],
+    "fly": ["circle-34", "--flights", "2"],
+    "landscape": ["circle-34", "--points", "2"],
+    "compare": ["circle-20", "--tuners", "random_search", "--seeds", "1", "--budget", "10", "--validation", "2", "--out", "comparison"],
+}
+
+
+def documented():
+    _, section = (DOCS / "commands.md").read_text(encoding="utf-8").split("## JSON")
+    return {command: set(re.findall(r"`(\w+)`", keys)) for command, keys in ROW.findall(section)}
+
+
+def keys_of(value):
+    """All keys of a document, those of its tables included."""
+    if isinstance(value, dict):
+        return set(value).union(*map(keys_of, value.values()))
+    return set().union(*map(keys_of, value)) if isinstance(value, list) else set()
+
+
+def test_every_command_that_is_quick_is_looked_at():
+    assert set(documented()) == {*COMMANDS, "bench"}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_keys_that_can_be_relied_on_are_there(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    main([command, *COMMANDS[command], "--json"])
+    assert documented()[command] <= keys_of(json.loads(capsys.readouterr().out))
