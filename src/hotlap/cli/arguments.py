@@ -254,6 +254,13 @@ COMMANDS: Mapping[str, Command] = {
         _report,
         ("hotlap report runs/mine", "hotlap report runs/mine --figures --format pdf", "hotlap report runs/mine --video lap.gif"),
     ),
+    "watch": Command(
+        "show a study in the browser while it runs",
+        "Show the page of a study to browsers on this machine, and keep it up to date as flights come in, until Ctrl-C. Nothing is\n"
+        "written; --json prints the address at once.",
+        _watch,
+        ("hotlap watch runs/mine", "hotlap watch runs/mine --port 8080"),
+    ),
     "landscape": Command(
         "map completion over two parameters",
         "Fly a race over a grid of two parameters, the same in all segments, the others held.",
