@@ -63,7 +63,7 @@ export default defineConfig({
   plugins: [oneFile],
   build: {
     emptyOutDir: false,
-    target: "es2022",
+    target: "es2023",
     modulePreload: false,
     cssCodeSplit: false,
     assetsInlineLimit: 1 << 20,

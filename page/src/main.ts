@@ -33,7 +33,8 @@ function start(): void {
   const drawn = [convergence(app), telemetry(app), sensitivity(app), learnt(app)] as const;
   const [found, time, matter, pairs] = drawn.map((part) => part.element);
   const first = h("div", { class: "opening" }, scene.element, h("div", { class: "beside" }, parameters(app), hold(app)));
-  const rest = h("div", { class: "rest" }, time, found, endings(app), effort(app), matter, pairs, configuration(app));
+  const columns = [h("div", { class: "column" }, found, matter), h("div", { class: "column" }, endings(app), effort(app), pairs)];
+  const rest = h("div", { class: "rest" }, time, ...columns, configuration(app));
   place.append(headline(app), h("main", {}, first, rest));
   still?.setAttribute("hidden", "");
   for (const part of drawn) part.build();
@@ -42,7 +43,7 @@ function start(): void {
   listenToKeys(app);
   if (app.parts.live.value) follow(app);
   begin(app);
-  if (shown) Object.assign(window, { hotlap: { place: () => shown.place, frames: () => shown.view.frames } });
+  if (shown) Object.assign(window, { hotlap: { scene: shown, place: () => shown.place, frames: () => shown.view.frames } });
 }
 
 /** Plays once; someone who wants no motion gets the end of the lap, with the whole trail. */

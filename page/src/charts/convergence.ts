@@ -60,6 +60,7 @@ function draw(app: App, colours: Palette, of: (flights: Flights) => Table, share
     y: { range: edges, distr: logarithmic ? 3 : 1 },
     xValues: (value) => (Number.isInteger(value) ? `${value}` : ""),
     yValues: (value) => (share && value > 100 ? "" : digits(value)),
+    ...(logarithmic ? { ySplits: decades(...edges) } : {}),
     above: (plot, pen) => {
       const size = (rows.length <= 80 ? 4 : rows.length <= 300 ? 3 : 2) * uPlot.pxRatio;
       rows.forEach((row, i) => {
@@ -115,6 +116,12 @@ function describe(flights: Flights, row: number, segments: readonly string[]): s
   const parts = [kind, `${percent(flights.completion.values[row])} of the gates`, `${flights.cost_name.replace(/ \[.*/, "")} ${digits(flights.cost.values[row])}`];
   if (failed !== undefined) parts.push(`failed in segment ${failed}`);
   return `Flight ${flights.number.values[row]}: ${parts.join(", ")}`;
+}
+
+/** 1, 2 and 5 times powers of ten within a range. */
+function decades(low: number, high: number): number[] {
+  const powers = Array.from({ length: 13 }, (_, i) => 10 ** (i - 6));
+  return powers.flatMap((power) => [power, 2 * power, 5 * power]).filter((value) => value >= low && value <= high);
 }
 
 function bestSoFar(flights: Flights, rows: readonly number[], values: readonly number[], most: boolean): (number | null)[] {

@@ -12,6 +12,7 @@ export interface Drawing {
   readonly y: uPlot.Scale;
   readonly xValues: (value: number) => string;
   readonly yValues: (value: number) => string;
+  readonly ySplits?: readonly number[];
   readonly below?: (plot: uPlot, pen: CanvasRenderingContext2D) => void;
   readonly above?: (plot: uPlot, pen: CanvasRenderingContext2D) => void;
 }
@@ -73,8 +74,8 @@ export class Frame {
       scales: { x: { time: false, ...drawing.x }, y: drawing.y },
       series: [{}, ...drawing.series],
       axes: [
-        { ...axis, size: 24, space: 60, grid: { show: false }, values: (_, ticks) => ticks.map(drawing.xValues) },
-        { ...axis, size: 44, space: 26, grid, values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : drawing.yValues(tick))) },
+        { ...axis, size: 24, space: 80, grid: { show: false }, values: (_, ticks) => ticks.map(drawing.xValues) },
+        { ...axis, ...(drawing.ySplits ? { splits: [...drawing.ySplits] } : {}), size: 44, space: 26, grid, values: (_, ticks) => ticks.map((tick) => (tick === null ? "" : drawing.yValues(tick))) },
       ],
       hooks: { drawClear: [draw(drawing.below)], draw: [draw(drawing.above)] },
     };

@@ -6,7 +6,7 @@ import { percent, symbol } from "../format";
 
 const WIDTH = 190;
 const HEIGHT = 110;
-const EDGE = { left: 34, right: 10, top: 10, bottom: 22 };
+const EDGE = { left: 42, right: 10, top: 10, bottom: 22 };
 const LITTLE = 0.02; // of the gates: less than can be told apart from luck in few flights
 const MUCH = 0.25;
 

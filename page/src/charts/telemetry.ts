@@ -9,9 +9,10 @@ const NAMES = ["roll rate", "pitch rate", "yaw rate"];
 /** The card with all charts over time. */
 export function telemetry(app: App): { readonly element: HTMLElement; readonly build: () => void } {
   const charts = [error, speed, thrust, ...NAMES.map((_, axis) => rate(axis))].map((quantity) => new TimeChart(app, () => quantity(app)));
-  const note = "Point at a chart to move the drone. Ticks are gates; thin grey lines are the plan; grey areas lie beyond the vehicle's limits. Nothing is smoothed.";
+  const note = "Point at a chart to move the drone. Ticks are gates, dots how near they were passed; thin grey lines are the plan; grey areas lie beyond the limits. Nothing is smoothed.";
   const columns = h("div", { class: "charts" }, ...charts.map((chart) => chart.element));
-  const element = card("telemetry", "Why is it better?", note, axisSwitch(app), columns);
+  const element = card("telemetry", "Why is it better?", note, columns);
+  element.querySelector("header")?.append(axisSwitch(app));
   return { element, build: () => charts.forEach((chart) => chart.build()) };
 }
 
@@ -24,9 +25,9 @@ function axisSwitch(app: App): HTMLElement {
 }
 
 function error(app: App): Quantity {
-  const { gate_distance, rule } = app.parts.course.value;
+  const { gate_distance } = app.parts.course.value;
   return {
-    title: rule === "clock" ? "distance from the plan's clock" : "tracking error",
+    title: "tracking error",
     unit: "m",
     height: 190,
     of: (trace) => trace.error,

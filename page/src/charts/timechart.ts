@@ -7,7 +7,7 @@ import { find, lastTime, lengths, progress } from "../flight";
 import { digits } from "../format";
 import { h } from "../dom";
 import { type Drawing, Frame } from "./frame";
-import { beyond, course as drawCourse, level } from "./marks";
+import { beyond, course as drawCourse, level, mark } from "./marks";
 
 export interface Quantity {
   readonly title: string;
@@ -84,10 +84,31 @@ export class TimeChart {
       above: (plot, pen) => {
         if (quantity.line) level(plot, pen, quantity.line.value, quantity.line.name, colours);
         const [low, high] = quantity.limits ?? [null, null];
-        if (high !== null) level(plot, pen, high, `limit ${digits(high)}`, colours);
-        if (low !== null && low !== 0) level(plot, pen, low, `limit ${digits(low)}`, colours, true);
+        if (high !== null) level(plot, pen, high, `limit ${low === -high ? "±" : ""}${digits(high)}`, colours);
+        if (low !== null && low !== 0) level(plot, pen, low, "", colours);
+        this.drawEnds(plot, pen, colours);
       },
     };
+  }
+
+  /** A cross where a flight failed; with a judged line, a dot for each gate as it was judged. */
+  private drawEnds(plot: uPlot, pen: CanvasRenderingContext2D, colours: Palette): void {
+    const size = 3.5 * uPlot.pxRatio;
+    const up = (value: number): number => Math.max(plot.valToPos(value, "y", true), plot.bbox.top + size);
+    const judged = this.quantity().line;
+    for (const { id, values } of this.lines) {
+      const trace = this.app.parts.traces.value.find((one) => one.id === id);
+      const last = values.findLastIndex((value) => value !== null);
+      if (!trace || last < 0) continue;
+      trace.gate_distance.values.forEach((distance, gate) => {
+        const time = trace.seen_times.values[gate];
+        if (!judged || !Number.isFinite(distance) || !Number.isFinite(time)) return;
+        const bad = distance > judged.value;
+        const colour = bad ? colours.failure : flightColour(this.app.theme.value, id);
+        mark(pen, bad ? "cross" : "disc", plot.valToPos(this.place(time), "x", true), up(distance), bad ? size : 0.7 * size, colour, colours.face);
+      });
+      if (trace.failed) mark(pen, "cross", plot.valToPos(this.grid[last], "x", true), up(values[last] ?? 0), size, colours.failure, colours.face);
+    }
   }
 
   private resample(trace: Trace, reached: Floats | null): (number | null)[] {

@@ -4,6 +4,9 @@ import type { EffortNumbers, Trace } from "../data";
 import { card, h, renew } from "../dom";
 import { digits, percent } from "../format";
 
+const SATURATED = 0.2;
+const BUSY = 8;
+const SHAKING = 0.1;
 const LENGTH = 70; // px, of the longest bar
 
 interface Measure {
@@ -16,14 +19,14 @@ const MEASURES: readonly Measure[] = [
   { name: "change of thrust command [m/s³]", of: (effort) => effort.thrust_activity, write: (effort) => digits(effort.thrust_activity) },
   { name: "change of rate command [rad/s²]", of: (effort) => effort.rate_activity, write: (effort) => digits(effort.rate_activity) },
   { name: "time at a limit", of: (effort) => effort.saturated, write: (effort) => percent(effort.saturated) },
-  { name: "rate command above 3 Hz", of: (effort) => effort.oscillation?.share ?? null, write: oscillation },
+  { name: "rate command above 3 Hz, of its power", of: (effort) => effort.oscillation?.share ?? null, write: oscillation },
 ];
 
 export function effort(app: App): HTMLElement {
   const body = h("div", {});
   app.parts.traces.watch((traces) => {
     const flown = traces.filter((trace) => trace.effort);
-    renew(body, ...(flown.length ? [h("p", {}, say(flown)), table(flown)] : ["Not flown yet."]));
+    renew(body, ...(flown.length ? [h("p", {}, say(flown), h("span", { class: "bad" }, warn(flown[0]))), table(flown)] : ["Not flown yet."]));
   });
   return card("effort", "How hard does it work?", "Root mean square of the commands' change in a second, beside the plan's own inputs. Bars are logarithmic.", body);
 }
@@ -65,6 +68,18 @@ function say(flown: readonly Trace[]): string {
   });
   const end = others.length ? `; ${others.join(", ")}` : "";
   return `The ${own.label} controller moves its rate command ${times(mine / plan)} as much as the plan does${end}.`;
+}
+
+/** What should make one look twice, however good the number. */
+function warn(trace: Trace): string {
+  const { effort: own } = trace;
+  const [mine, plan] = [own?.rate_activity ?? 0, own?.reference?.rate_activity ?? 0];
+  const worries = [
+    (own?.saturated ?? 0) > SATURATED ? `it is at a limit for ${percent(own?.saturated)} of the time` : "",
+    plan > 0 && mine > BUSY * plan ? "it moves its commands far more than the flight asks for" : "",
+    (own?.oscillation?.share ?? 0) > SHAKING + (own?.reference?.oscillation?.share ?? 0) ? `it shakes at ${digits(own?.oscillation?.frequency, 2)} Hz` : "",
+  ].filter(Boolean);
+  return worries.length ? ` Careful: ${worries.join(", and ")}.` : "";
 }
 
 const times = (ratio: number): string => `${digits(ratio, 2)} times`;

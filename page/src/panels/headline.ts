@@ -36,8 +36,8 @@ function facts(told: Headline): HTMLElement[] {
     fact("lap time", seconds(told.lap_time), plan),
     fact("gates passed", percent(told.completion), told.confirmed ? `confirmed ${told.confirm} of ${told.confirm}` : "not confirmed", told.confirmed ? "" : "bad"),
     validation
-      ? fact("flights that hold", percent(validation.rate), `${validation.successes} of ${validation.flights}; 95 %: ${interval(validation)}`)
-      : fact("flights that hold", "–", "not validated"),
+      ? fact("holds in", percent(validation.rate), `${validation.successes} of ${validation.flights} fresh flights; 95 %: ${interval(validation)}`)
+      : fact("holds in", "–", "not validated"),
   ];
 }
 

@@ -17,14 +17,16 @@ export interface Stage {
 
 export function stage(app: App, map: SVGElement | null): Stage {
   const canvas = h("canvas", { id: "scene", tabindex: 0, role: "img", "aria-label": "the track in space with the flights; drag to turn, keys 1, 2, 3 for the camera" });
-  const place = h("div", { class: "scene" }, canvas, scale(app), h("div", { class: "scene-top" }, chips(app), cameras(app)));
-  const element = h("section", { class: "stage", "aria-label": "The flight" }, place, controls(app));
+  const ground = h("span", { class: "quiet" });
+  const place = h("div", { class: "scene" }, canvas);
+  const framed = h("div", { class: "framed" }, h("div", { class: "scene-top" }, chips(app), cameras(app)), place, h("div", { class: "scene-foot" }, ground, scale(app)));
+  const element = h("section", { class: "stage", "aria-label": "The flight" }, framed, controls(app));
   const start = (): TrackScene | null => {
     try {
       const scene = new TrackScene(app, canvas);
       new ResizeObserver(() => scene.resize(place.clientWidth, place.clientHeight)).observe(place);
       scene.resize(place.clientWidth, place.clientHeight);
-      place.append(h("p", { class: "ground quiet" }, `grid ${scene.cell} m; drones drawn larger than they are`));
+      ground.textContent = `grid ${scene.cell} m; drones larger than life`;
       return scene;
     } catch (error) {
       canvas.replaceWith(h("div", { class: "map" }, map, h("p", {}, `No 3-D scene: ${error instanceof Error ? error.message : "WebGL is missing"}. This is the track from above.`)));

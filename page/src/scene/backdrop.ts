@@ -1,10 +1,9 @@
 /** Backdrop: the reference as a thin line, the lit segment, and a grid below with a plumb line from each gate. */
-import { BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments } from "three";
-import type { Line2 } from "three/addons/lines/Line2.js";
+import { BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, type Mesh } from "three";
 import type { Palette } from "../colours";
 import { type Course, row } from "../data";
 import { find } from "../flight";
-import { line } from "./lines";
+import { hair, ribbon } from "./lines";
 
 export interface Extent {
   readonly low: readonly [number, number, number];
@@ -15,7 +14,7 @@ export class Backdrop {
   readonly group = new Group();
   /** [m] side of a cell of the grid. */
   readonly cell: number;
-  private readonly pieces: { readonly line: Line2; readonly segment: number }[] = [];
+  private readonly pieces: { readonly line: Mesh; readonly segment: number }[] = [];
 
   constructor(
     course: Course,
@@ -25,13 +24,13 @@ export class Backdrop {
     this.cell = step(Math.max(extent.high[0] - extent.low[0], extent.high[1] - extent.low[1]));
     const ground = course.floor ?? extent.low[2] - Math.max(1, 0.04 * this.size(extent));
     this.group.add(this.grid(extent, ground), this.plumbs(course, ground));
-    this.group.add(line(course.reference.position.values, { width: 1, colour: palette.quiet, opacity: 0.8, order: 1 }));
+    this.group.add(hair(course.reference.position.values, palette.quiet));
     for (const piece of course.pieces) {
       const times = course.reference.time.values;
       const [first, last] = [Math.floor(find(times, piece.start)), Math.ceil(find(times, piece.end))];
       const points = course.reference.position.values.subarray(3 * first, 3 * (last + 1));
       if (points.length < 6) continue;
-      const lit = line(points, { width: 9, colour: palette.accent, opacity: 0.3, order: 2 });
+      const lit = ribbon(points, 10, palette.accent, 0.35);
       lit.visible = false;
       this.pieces.push({ line: lit, segment: piece.segment });
       this.group.add(lit);

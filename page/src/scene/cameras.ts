@@ -2,11 +2,12 @@
 import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Camera } from "../app";
-import type { Course } from "../data";
+import { type Course, row } from "../data";
 import { between, find } from "../flight";
 import type { Extent } from "./backdrop";
 
 const FIELD = 45; // degrees
+const MARGIN = { across: 0.9, up: 0.78, down: 0.06 }; // of the half view that may be filled; above are the controls
 const LOOK = 0.6; // s, over which the way of the reference is averaged
 
 export class Cameras {
@@ -14,7 +15,7 @@ export class Cameras {
   readonly controls: OrbitControls;
   private kind: Camera = "orbit";
   private readonly middle: Vector3;
-  private readonly radius: number;
+  private readonly points: readonly Vector3[];
   private kept: { position: Vector3; target: Vector3 } | null = null;
 
   constructor(
@@ -29,7 +30,7 @@ export class Cameras {
     this.controls.addEventListener("change", changed);
     canvas.style.touchAction = "pan-y"; // a finger that moves up or down moves the page
     this.middle = new Vector3(...extent.low).add(new Vector3(...extent.high)).multiplyScalar(0.5);
-    this.radius = new Vector3(...extent.high).sub(new Vector3(...extent.low)).length() / 2;
+    this.points = sight(course);
     this.show("orbit");
   }
 
@@ -84,8 +85,7 @@ export class Cameras {
     }
     const [wide, deep] = [0, 1].map((k) => this.extent.high[k] - this.extent.low[k]);
     const side = wide >= deep ? new Vector3(-0.25, -1, 0.62) : new Vector3(-1, -0.25, 0.62);
-    this.controls.target.copy(this.middle);
-    this.camera.position.copy(this.middle).addScaledVector(side.normalize(), this.reach() * 0.94);
+    fit(this.camera, this.controls.target.copy(this.middle), side.normalize(), this.points);
   }
 
   /** x to the right where the track is wide, up where it is deep. */
@@ -97,14 +97,8 @@ export class Cameras {
     const height = Math.max(up, across / this.camera.aspect) / (2 * tangent);
     const tilt = flat ? new Vector3(0, -1e-3, 1) : new Vector3(-1e-3, 0, 1); // straight down, "up" would be undefined
     this.controls.target.copy(this.middle);
-    const above = height * 1.04 + (this.extent.high[2] - this.extent.low[2]) / 2;
+    const above = height * 1.12 + (this.extent.high[2] - this.extent.low[2]) / 2;
     this.camera.position.copy(this.middle).addScaledVector(tilt, above);
-  }
-
-  private reach(): number {
-    const half = (FIELD * Math.PI) / 360;
-    const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
-    return this.radius / Math.sin(Math.max(narrow, 0.1));
   }
 
   private referenceAt(time: number): Vector3 {
@@ -120,5 +114,32 @@ export class Cameras {
       if (way.length() > 0.5 && Math.hypot(way.x, way.y) > 0.2 * way.length()) return way.normalize();
     }
     return new Vector3(1, 0, 0);
+  }
+}
+
+/** What has to be seen: the reference and the gates. */
+function sight(course: Course): Vector3[] {
+  const { position } = course.reference;
+  const stride = Math.max(1, Math.floor(position.shape[0] / 150));
+  const path = Array.from({ length: Math.ceil(position.shape[0] / stride) }, (_, i) => row(position, i * stride));
+  const gates = Array.from({ length: course.gates.shape[0] }, (_, gate) => row(course.gates, gate));
+  return [...path, ...gates].map((point) => new Vector3().fromArray(point));
+}
+
+/** Moves a camera, and what it looks at, so that points fill the view from one side. */
+function fit(camera: PerspectiveCamera, target: Vector3, side: Vector3, points: readonly Vector3[]): void {
+  let distance = 2 * Math.max(...points.map((point) => point.distanceTo(target)), 1);
+  for (let round = 0; round < 8; round++) {
+    camera.position.copy(target).addScaledVector(side, distance);
+    camera.lookAt(target);
+    camera.updateMatrixWorld();
+    const seen = points.map((point) => point.clone().project(camera));
+    const [xs, ys] = [seen.map((point) => point.x), seen.map((point) => point.y)];
+    const middle = [xs, ys].map((values) => (Math.max(...values) + Math.min(...values)) / 2);
+    const spread = [xs, ys].map((values) => (Math.max(...values) - Math.min(...values)) / 2);
+    const half = distance * Math.tan((FIELD * Math.PI) / 360);
+    const [right, up] = [0, 1].map((k) => new Vector3().setFromMatrixColumn(camera.matrixWorld, k));
+    target.addScaledVector(right, middle[0] * half * camera.aspect).addScaledVector(up, (middle[1] + MARGIN.down) * half);
+    distance *= Math.max(spread[0] / MARGIN.across, spread[1] / MARGIN.up);
   }
 }

@@ -36,7 +36,7 @@ export class Drone {
     nose.rotation.z = -Math.PI / 2;
     this.body.add(nose, new Mesh(new BoxGeometry(0.55, 0.32, 0.18), frame));
     this.group.add(this.body);
-    if (ghost) this.group.add(label(trace.label, colour, palette.face, -0.9));
+    if (ghost) this.group.add(label(trace.label, colour, palette.face, -1.7));
     this.group.renderOrder = ghost ? 8 : 10;
   }
 

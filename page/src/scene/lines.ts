@@ -1,40 +1,89 @@
-/** Lines of some pixels' width. */
-import { Color } from "three";
-import { Line2 } from "three/addons/lines/Line2.js";
-import { LineGeometry } from "three/addons/lines/LineGeometry.js";
-import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+/** Lines: hairs of one pixel, and ribbons of some pixels' width that face the camera; cheap enough for a processor that draws by itself. */
+import { BufferAttribute, BufferGeometry, Color, DoubleSide, Line, LineBasicMaterial, Mesh, ShaderMaterial, Vector2 } from "three";
 import type { Floats } from "../data";
 
-export interface LineStyle {
-  readonly width: number;
-  readonly colour?: string;
-  readonly colours?: Float32Array;
-  readonly opacity?: number;
-  readonly order?: number;
+/** Size of the canvas in pixels; shared by all ribbons. */
+export const RESOLUTION = new Vector2(1, 1);
+
+// The way across is that of the screen: the derivative of x/w and y/w along the line.
+const VERTEX = `
+attribute vec3 along;
+attribute float side;
+attribute vec3 tint;
+uniform float width;
+uniform vec2 resolution;
+varying vec3 shade;
+void main() {
+  mat4 matrix = projectionMatrix * modelViewMatrix;
+  vec4 at = matrix * vec4(position, 1.0);
+  vec4 way = matrix * vec4(along, 0.0);
+  vec2 flat_way = (way.xy * at.w - at.xy * way.w) * resolution;
+  float size = max(length(flat_way), 1e-9);
+  at.xy += vec2(-flat_way.y, flat_way.x) / size * side * width / resolution * at.w;
+  shade = tint;
+  gl_Position = at;
+}`;
+
+const FRAGMENT = `
+uniform float opacity;
+varying vec3 shade;
+void main() {
+  gl_FragColor = vec4(shade, opacity);
+  #include <colorspace_fragment>
+}`;
+
+/** A line of one pixel through points, row by row. */
+export function hair(points: Floats, colour: string, opacity = 1): Line {
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(points, 3));
+  return new Line(geometry, new LineBasicMaterial({ color: colour, transparent: opacity < 1, opacity }));
 }
 
-/** A line through points, row by row. */
-export function line(points: Floats | readonly number[], style: LineStyle): Line2 {
-  const geometry = new LineGeometry();
-  geometry.setPositions(points instanceof Float32Array ? points : Float32Array.from(points));
-  if (style.colours) geometry.setColors(style.colours);
-  const opacity = style.opacity ?? 1;
-  const material = new LineMaterial({
-    color: new Color(style.colours ? "#ffffff" : style.colour),
-    linewidth: style.width,
-    vertexColors: Boolean(style.colours),
-    transparent: opacity < 1,
-    opacity,
-  });
-  const made = new Line2(geometry, material);
-  made.renderOrder = style.order ?? 0;
-  made.frustumCulled = false; // bounds of a line that grows would be those of all of it
+/** A line of one pixel with colours of its own, row by row, 0 to 1. */
+export function tinted(points: Floats, colours: Floats, opacity: number): Line {
+  const shown = hair(points, "#ffffff", opacity);
+  shown.geometry.setAttribute("color", new BufferAttribute(colours, 3));
+  (shown.material as LineBasicMaterial).vertexColors = true;
+  return shown;
+}
+
+/** A line of some pixels, in one colour or in one for each row (0 to 1). */
+export function ribbon(points: Floats, width: number, colour: string | Floats, opacity = 1): Mesh<BufferGeometry, ShaderMaterial> {
+  const count = points.length / 3;
+  const tint = typeof colour === "string" ? repeat(new Color(colour).toArray(), count) : colour;
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", twice(points));
+  geometry.setAttribute("along", twice(tangents(points)));
+  geometry.setAttribute("tint", twice(tint));
+  geometry.setAttribute("side", new BufferAttribute(Float32Array.from({ length: 2 * count }, (_, i) => (i % 2 ? 1 : -1)), 1));
+  geometry.setIndex(Array.from({ length: Math.max(0, count - 1) }, (_, i) => [2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 1, 2 * i + 3, 2 * i + 2]).flat());
+  const uniforms = { width: { value: width }, resolution: { value: RESOLUTION }, opacity: { value: opacity } };
+  const material = new ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms, side: DoubleSide, transparent: opacity < 1 });
+  const made = new Mesh(geometry, material);
+  made.frustumCulled = false;
   return made;
 }
 
-/** Shows the first segments of a line only. */
-export function reveal(shown: Line2, segments: number): void {
-  const geometry = shown.geometry as LineGeometry;
-  geometry.instanceCount = Math.max(0, Math.floor(segments));
-  shown.visible = geometry.instanceCount > 0;
+/** Shows the first rows of a ribbon only. */
+export function reveal(shown: Mesh<BufferGeometry>, rows: number): void {
+  shown.geometry.setDrawRange(0, Math.max(0, 6 * Math.floor(rows)));
+}
+
+function twice(values: Floats): BufferAttribute {
+  const doubled = new Float32Array(2 * values.length);
+  for (let i = 0; i < values.length / 3; i++) {
+    const row = values.subarray(3 * i, 3 * i + 3);
+    doubled.set(row, 6 * i);
+    doubled.set(row, 6 * i + 3);
+  }
+  return new BufferAttribute(doubled, 3);
+}
+
+function repeat(colour: readonly number[], count: number): Floats {
+  return Float32Array.from({ length: 3 * count }, (_, i) => colour[i % 3]);
+}
+
+/** Differences of the neighbours of each row. */
+function tangents(points: Floats): Floats {
+  const last = points.length - 3;
+  return Float32Array.from(points, (_, i) => points[Math.min(i + 3, last + (i % 3))] - points[Math.max(i - 3, i % 3)]);
 }

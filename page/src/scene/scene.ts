@@ -11,7 +11,7 @@ import { cross } from "./sprites";
 import { Trail } from "./trail";
 import { View } from "./view";
 
-const DRONE = 17; // pixels of an arm
+const DRONE = 14; // pixels of an arm
 const FOLLOWED = 30;
 
 export class TrackScene {
@@ -52,7 +52,7 @@ export class TrackScene {
   }
 
   resize(width: number, height: number): void {
-    this.view.resize(width, height);
+    this.view.resize();
     this.cameras.reshape(width / height);
   }
 
@@ -101,6 +101,7 @@ export class TrackScene {
     this.gates.update(time, this.app.lit.value);
     this.backdrop.light(this.app.lit.value);
     this.cameras.update(time, this.drones[0]?.group.position ?? null);
+    this.gates.declutter(this.cameras.camera, time);
     const least = this.app.parts.course.value.arm;
     for (const drone of this.drones) {
       const pixels = this.app.camera.value === "follow" ? FOLLOWED : DRONE;

@@ -1,5 +1,5 @@
 /** Marks that keep their size on the screen: numbers of gates, crosses, names. */
-import { CanvasTexture, LinearFilter, Sprite, SpriteMaterial } from "three";
+import { CanvasTexture, LinearFilter, Sprite, SpriteMaterial, SRGBColorSpace } from "three";
 
 const FONT = "600 26px system-ui, sans-serif";
 const HEIGHT = 40; // pixels of a texture
@@ -47,6 +47,7 @@ export function cross(colour: string, halo: string): Sprite {
 
 function sprite(canvas: HTMLCanvasElement, size: number): Sprite {
   const map = new CanvasTexture(canvas);
+  map.colorSpace = SRGBColorSpace;
   map.minFilter = LinearFilter;
   map.generateMipmaps = false;
   const made = new Sprite(new SpriteMaterial({ map, sizeAttenuation: false, depthTest: false, transparent: true }));

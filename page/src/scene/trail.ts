@@ -1,17 +1,16 @@
 /** Trail: the way that a flight has come; of the best coloured by speed, of the others in one colour. */
-import { Group } from "three";
-import type { Line2 } from "three/addons/lines/Line2.js";
+import { Color, Group, SRGBColorSpace } from "three";
 import type { Theme } from "../app";
 import { flightColour, viridis } from "../colours";
 import type { Trace } from "../data";
 import { find } from "../flight";
-import { line, reveal } from "./lines";
+import { reveal, ribbon, tinted } from "./lines";
 
 const SPACING = 0.02; // s, between points that are drawn
 
 export class Trail {
   readonly group = new Group();
-  private readonly flown: Line2;
+  private readonly flown: ReturnType<typeof ribbon>;
   private readonly stride: number;
 
   constructor(
@@ -24,11 +23,11 @@ export class Trail {
     const rows = thin(times.length, this.stride);
     const points = Float32Array.from(rows.flatMap((i) => [...trace.position.values.subarray(3 * i, 3 * i + 3)]));
     if (trace.id === "best") {
-      const colours = Float32Array.from(rows.flatMap((i) => viridis(trace.speed.values[i] / top, theme)));
-      this.group.add(line(points, { width: 1.5, colours, opacity: 0.4, order: 3 }));
-      this.flown = line(points, { width: 4, colours, order: 5 });
+      const colours = Float32Array.from(rows.flatMap((i) => linear(viridis(trace.speed.values[i] / top, theme))));
+      this.group.add(tinted(points, colours, 0.6));
+      this.flown = ribbon(points, 3.5, colours);
     } else {
-      this.flown = line(points, { width: 2, colour: flightColour(theme, trace.id), opacity: 0.9, order: 4 });
+      this.flown = ribbon(points, 2, flightColour(theme, trace.id));
     }
     this.group.add(this.flown);
   }
@@ -37,6 +36,11 @@ export class Trail {
   update(time: number): void {
     reveal(this.flown, Math.ceil(find(this.trace.time.values, time) / this.stride));
   }
+}
+
+/** Light as the scene reckons with it. */
+function linear(colour: readonly [number, number, number]): number[] {
+  return new Color().setRGB(...colour, SRGBColorSpace).toArray();
 }
 
 function thin(count: number, stride: number): number[] {

@@ -1,16 +1,23 @@
-/** View: a canvas that is drawn when something changed, less finely where that takes long. */
-import { Color, Scene, WebGLRenderer } from "three";
-import type { PerspectiveCamera } from "three";
+/** View: a canvas that is drawn when something changed; less finely while it moves where that takes long, and finely when it rests. */
+import { Color, type PerspectiveCamera, Scene, WebGLRenderer } from "three";
+import { RESOLUTION } from "./lines";
 
 const LEAST = 0.6; // pixels drawn for one of the page
-const SLOW = 30; // ms a frame
-const QUICK = 9;
+const SLOW = 31; // ms from frame to frame
+const QUICK = 19;
+const PAUSE = 120; // ms, longer than from frame to frame
+const REST = 250; // ms without a change
 
 export class View {
   readonly scene = new Scene();
   readonly renderer: WebGLRenderer;
+  private readonly software: boolean;
+  private readonly most = Math.min(window.devicePixelRatio, 2);
+  private moving = this.most;
+  private used = 0;
   private wanted = false;
-  private ratio = Math.min(window.devicePixelRatio, 2);
+  private rest = 0;
+  private last = 0;
   private mean = 16;
   frames = 0;
 
@@ -19,8 +26,8 @@ export class View {
     readonly canvas: HTMLCanvasElement,
     private readonly prepare: () => PerspectiveCamera,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
-    this.renderer.setPixelRatio(this.ratio);
+    this.software = withoutCard();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.software, powerPreference: "high-performance" });
   }
 
   get height(): number {
@@ -32,8 +39,8 @@ export class View {
     this.invalidate();
   }
 
-  resize(width: number, height: number): void {
-    this.renderer.setSize(width, height, false);
+  resize(): void {
+    this.used = 0;
     this.invalidate();
   }
 
@@ -41,34 +48,57 @@ export class View {
   invalidate(): void {
     if (this.wanted) return;
     this.wanted = true;
-    requestAnimationFrame(() => {
+    requestAnimationFrame((now) => {
       this.wanted = false;
-      this.draw();
+      this.adapt(now);
+      this.draw(this.moving);
+      window.clearTimeout(this.rest);
+      this.rest = window.setTimeout(() => this.refine(), REST);
     });
   }
 
   /** A picture of what is seen, for print. */
   still(): string {
-    this.draw();
+    this.draw(2);
     return this.canvas.toDataURL("image/png");
   }
 
-  private draw(): void {
-    const start = performance.now();
+  private draw(ratio: number): void {
+    if (this.canvas.clientWidth < 2 || this.canvas.clientHeight < 2) return;
+    if (ratio !== this.used) {
+      this.used = ratio;
+      this.renderer.setPixelRatio(ratio);
+      this.renderer.setSize(this.canvas.clientWidth, this.canvas.clientHeight, false);
+      this.renderer.getDrawingBufferSize(RESOLUTION);
+      RESOLUTION.divideScalar(ratio); // widths are those of the page
+    }
     this.renderer.render(this.scene, this.prepare());
     this.frames++;
-    this.adapt(performance.now() - start);
   }
 
-  private adapt(spent: number): void {
-    this.mean += 0.1 * (spent - this.mean);
-    if (this.frames % 20) return;
-    const most = Math.min(window.devicePixelRatio, 2);
-    const factor = this.mean > SLOW ? 0.8 : this.mean < QUICK ? 1.25 : 1;
-    const ratio = Math.min(Math.max(this.ratio * factor, LEAST), most);
-    if (ratio === this.ratio) return;
-    this.ratio = ratio;
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(this.canvas.clientWidth, this.canvas.clientHeight, false);
+  /** Finer than the screen where edges are not smoothed otherwise. */
+  private refine(): void {
+    const fine = this.software ? Math.max(2, this.most) : this.most;
+    if (fine !== this.used && !this.wanted) this.draw(fine);
   }
+
+  private adapt(now: number): void {
+    const spent = now - this.last;
+    this.last = now;
+    if (spent > PAUSE && this.frames % 2) return; // it stood still, or it is very slow
+    this.mean += 0.12 * (Math.min(spent, PAUSE) - this.mean);
+    if (this.frames % 16) return;
+    const factor = this.mean > SLOW ? 0.8 : this.mean < QUICK ? 1.25 : 1;
+    this.moving = Math.min(Math.max(this.moving * factor, LEAST), this.most);
+  }
+}
+
+/** Whether the processor draws, which is slow to smooth edges. */
+function withoutCard(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2");
+  if (!context) return false;
+  const known = context.getExtension("WEBGL_debug_renderer_info");
+  const name = String(context.getParameter(known ? known.UNMASKED_RENDERER_WEBGL : context.RENDERER));
+  context.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
 }
