@@ -22,7 +22,7 @@ export function follow(app: App): void {
 /** Whether there was an answer. */
 async function refresh(app: App): Promise<boolean> {
   try {
-    const answer = await fetch(`data.json?flights=${app.parts.headline.value.flights ?? 0}`, { cache: "no-store" });
+    const answer = await fetch(`data.json?flights=${app.parts.flights.value?.number.values.length ?? 0}`, { cache: "no-store" });
     if (answer.status === NOTHING_NEW) return true;
     if (!answer.ok) return false;
     const plain = (await answer.json()) as Record<string, unknown>;

@@ -6,7 +6,8 @@ const LEAST = 0.6; // pixels drawn for one of the page
 const SLOW = 31; // ms from frame to frame
 const QUICK = 19;
 const PAUSE = 120; // ms, longer than from frame to frame
-const REST = 250; // ms without a change
+const REST = 300; // ms without a change
+const WAIT = 6000; // ms after a step down, before a step up is tried
 
 export class View {
   readonly scene = new Scene();
@@ -19,6 +20,7 @@ export class View {
   private rest = 0;
   private last = 0;
   private mean = 16;
+  private lowered = -Infinity;
   frames = 0;
 
   /** @throws Error where there is no WebGL. */
@@ -53,7 +55,7 @@ export class View {
       this.adapt(now);
       this.draw(this.moving);
       window.clearTimeout(this.rest);
-      this.rest = window.setTimeout(() => this.refine(), REST);
+      this.rest = window.setTimeout(() => this.refine(), REST + 6 * this.mean);
     });
   }
 
@@ -88,8 +90,10 @@ export class View {
     if (spent > PAUSE && this.frames % 2) return; // it stood still, or it is very slow
     this.mean += 0.12 * (Math.min(spent, PAUSE) - this.mean);
     if (this.frames % 16) return;
-    const factor = this.mean > SLOW ? 0.8 : this.mean < QUICK ? 1.25 : 1;
-    this.moving = Math.min(Math.max(this.moving * factor, LEAST), this.most);
+    if (this.mean > SLOW) {
+      this.moving = Math.max(0.75 * this.moving, LEAST);
+      this.lowered = now;
+    } else if (this.mean < QUICK && now - this.lowered > WAIT) this.moving = Math.min(1.34 * this.moving, this.most);
   }
 }
 
