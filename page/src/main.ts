@@ -43,7 +43,7 @@ function start(): void {
   listenToKeys(app);
   if (app.parts.live.value) follow(app);
   begin(app);
-  if (shown) Object.assign(window, { hotlap: { scene: shown, place: () => shown.place, frames: () => shown.view.frames } });
+  if (shown) Object.assign(window, { hotlap: { place: () => shown.place, frames: () => shown.view.frames } });
 }
 
 /** Plays once; someone who wants no motion gets the end of the lap, with the whole trail. */

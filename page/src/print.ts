@@ -10,11 +10,10 @@ export function preparePrint(app: App, scene: TrackScene | null): void {
   window.addEventListener("beforeprint", () => {
     before = app.theme.value;
     app.theme.value = "light";
+    still = scene && h("img", { class: "still", src: scene.view.still(), alt: "the track with the flights" });
+    if (still) scene?.view.canvas.after(still);
     document.documentElement.classList.add("printing");
     fitAll();
-    if (!scene) return;
-    still = h("img", { class: "still", src: scene.view.still(), alt: "the track with the flights" });
-    scene.view.canvas.after(still);
   });
   window.addEventListener("afterprint", () => {
     still?.remove();

@@ -52,7 +52,8 @@ function draw(app: App, colours: Palette, of: (flights: Flights) => Table, share
   const high = Math.max(...known);
   const logarithmic = !share && low > 0 && high > 3 * low;
   const last = flights.number.values[rows[rows.length - 1]];
-  const edges: [number, number] = share ? [-6, 108] : logarithmic ? [low / 1.3, high * 1.3] : [low - 0.06 * (high - low || 1), high + 0.06 * (high - low || 1)];
+  const margin = Math.max(0.06 * (high - low), 0.02 * Math.abs(high), 1e-6);
+  const edges: [number, number] = share ? [-6, 108] : logarithmic ? [low / 1.3, high * 1.3] : [low - margin, high + margin];
   return {
     data: [rows.map((i) => flights.number.values[i]), bestSoFar(flights, rows, values, share)],
     series: [{ stroke: colours.ink, width: 1, paths: uPlot.paths.stepped?.({ align: 1 }), points: { show: false } }],

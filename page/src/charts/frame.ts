@@ -17,11 +17,17 @@ export interface Drawing {
   readonly above?: (plot: uPlot, pen: CanvasRenderingContext2D) => void;
 }
 
-const frames = new Set<Frame>();
+const drawn = new Set<() => void>();
 
 /** Fits all charts to their places at once, as for print. */
 export function fitAll(): void {
-  for (const frame of frames) frame.fit();
+  for (const fit of drawn) fit();
+}
+
+/** Fits a drawing now and then to the width of its place. */
+export function keepFitting(place: HTMLElement, fit: () => void): void {
+  drawn.add(fit);
+  new ResizeObserver(fit).observe(place);
 }
 
 export class Frame {
@@ -34,8 +40,7 @@ export class Frame {
     private readonly make: (palette: Palette) => Drawing | null,
     private readonly made: (plot: uPlot) => void = () => undefined,
   ) {
-    frames.add(this);
-    new ResizeObserver(() => this.fit()).observe(host);
+    keepFitting(host, () => this.fit());
   }
 
   /** Draws anew from the data. */

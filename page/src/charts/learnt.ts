@@ -4,12 +4,14 @@ import { type Palette, palette } from "../colours";
 import type { ParameterSet, Samples } from "../data";
 import { card, h, renew } from "../dom";
 import { count, digits } from "../format";
+import { keepFitting } from "./frame";
 import { mark } from "./marks";
 import { segmentSwitch } from "../panels/segments";
 
 const CELL = 118;
 const EDGE = { left: 56, bottom: 40, gap: 8 };
 const BINS = 12;
+const FEW = 3;
 
 /** The card with marginals and pairs of a segment. */
 export function learnt(app: App): { readonly element: HTMLElement; readonly build: () => void } {
@@ -18,7 +20,8 @@ export function learnt(app: App): { readonly element: HTMLElement; readonly buil
   const body = h("div", {});
   const build = (): void => {
     const { samples, parameters } = app.parts;
-    if (!samples.value || !parameters.value || !samples.value.parameters.shape[0]) return renew(body, "No flights of the search yet.");
+    const tried = samples.value?.parameters.shape[0] ?? 0;
+    if (!samples.value || !parameters.value || tried < FEW) return renew(body, `${count(tried, "search flight")}: too few to see anything.`);
     renew(body, said, canvas);
     const names = app.parts.course.value.segment_names;
     const segment = Math.min(app.chosen.value, names.length - 1);
@@ -28,7 +31,7 @@ export function learnt(app: App): { readonly element: HTMLElement; readonly buil
   };
   const { samples, parameters, course } = app.parts;
   for (const signal of [samples, parameters, course, app.chosen, app.theme]) signal.after(build);
-  new ResizeObserver(build).observe(body);
+  keepFitting(body, build);
   const note = "Parameters that the search tried in one segment, on logarithmic axes from bound to bound: each by itself, and in pairs.";
   return { element: card("learnt", "What was learnt", note, segmentSwitch(app, "learnt"), body), build };
 }
