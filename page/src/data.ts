@@ -1,12 +1,6 @@
 /** Data: a study as it is written into the page, and as the page reads it. SI units; world frame x forward, y left, z up. */
 
-export type Floats = Float32Array;
-
-/** A table of numbers, row by row; NaN where something is unknown. */
-export interface Table {
-  readonly values: Floats;
-  readonly shape: readonly number[];
-}
+import type { Table } from "./table";
 
 export interface Interval {
   readonly flights: number;
@@ -190,46 +184,3 @@ export interface Study {
 }
 
 export type Part = keyof Study;
-
-const EMPTY: Partial<Record<Part, unknown>> = {
-  traces: [],
-  repeats: [],
-  hold: [],
-  flights: null,
-  parameters: null,
-  samples: null,
-  sensitivity: null,
-  configuration: null,
-};
-
-/** A study out of plain JSON. */
-export function decode(plain: unknown): Study {
-  const study = { ...EMPTY, ...(unpack(plain) as Partial<Study>) };
-  if (study.format !== 1) throw new Error(`a study of format ${String(study.format)}; this page reads format 1`);
-  return study as Study;
-}
-
-/** One row of a table. */
-export function row(table: Table, index: number): Floats {
-  const width = table.values.length / Math.max(1, table.shape[0]);
-  return table.values.subarray(index * width, (index + 1) * width);
-}
-
-/** One column of a table of rows. */
-export function column(table: Table, index: number): Floats {
-  const width = table.shape[1];
-  return Float32Array.from({ length: table.shape[0] }, (_, i) => table.values[i * width + index]);
-}
-
-function unpack(value: unknown): unknown {
-  if (Array.isArray(value)) return value.map(unpack);
-  if (value === null || typeof value !== "object") return value;
-  if ("f32" in value && "shape" in value) return { values: floats(String(value.f32)), shape: value.shape };
-  return Object.fromEntries(Object.entries(value).map(([key, item]) => [key, unpack(item)]));
-}
-
-function floats(text: string): Floats {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const view = new DataView(bytes.buffer);
-  return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
-}

@@ -1,5 +1,6 @@
 /** Flights in time and along the track. */
-import { type Course, type Floats, row, type Table, type Trace } from "./data";
+import type { Course, Trace } from "./data";
+import { type Floats, row, type Table } from "./table";
 
 /** Fractional row of a time; rows ascend, the ends hold. */
 export function find(times: Floats, time: number): number {

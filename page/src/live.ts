@@ -1,10 +1,10 @@
 /** Live: a study that is still running is asked for news, and taken over in place. */
 import type { App } from "./app";
-import { decode } from "./data";
+import { decode } from "./decode";
 import { h } from "./dom";
 
 const OFTEN = 1000; // ms
-const SELDOM = 5000;
+const SELDOM = 5000; // of a study that has ended, but may be given a larger budget
 const NOTHING_NEW = 204;
 
 export function follow(app: App): void {
@@ -13,7 +13,6 @@ export function follow(app: App): void {
   const ask = async (): Promise<void> => {
     const lost = !(await refresh(app));
     note.textContent = lost ? "No connection to the study; what is shown may be old." : "";
-    if (!lost && complete(app)) return;
     setTimeout(() => void ask(), lost || app.parts.headline.value.state === "finished" ? SELDOM : OFTEN);
   };
   setTimeout(() => void ask(), OFTEN);
@@ -31,10 +30,4 @@ async function refresh(app: App): Promise<boolean> {
   } catch {
     return false;
   }
-}
-
-/** Whether nothing more can come. */
-function complete(app: App): boolean {
-  const { headline, sensitivity, hold } = app.parts;
-  return headline.value.state === "finished" && (sensitivity.value !== null || hold.value.length > 0);
 }

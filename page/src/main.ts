@@ -7,7 +7,7 @@ import { convergence } from "./charts/convergence";
 import { learnt } from "./charts/learnt";
 import { sensitivity } from "./charts/sensitivity";
 import { telemetry } from "./charts/telemetry";
-import { decode } from "./data";
+import { decode } from "./decode";
 import { h } from "./dom";
 import { listenToKeys } from "./keys";
 import { follow } from "./live";

@@ -25,12 +25,3 @@ export class Signal<T> {
     this.watchers.add(call);
   }
 }
-
-/** What of a signal can be watched without knowing its value. */
-type Watched = Pick<Signal<never>, "after">;
-
-/** Calls once now, and after a change of any signal. */
-export function watchAll(signals: readonly Watched[], call: () => void): void {
-  for (const signal of signals) signal.after(() => call());
-  call();
-}

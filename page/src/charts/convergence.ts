@@ -2,7 +2,8 @@
 import uPlot from "uplot";
 import type { App } from "../app";
 import { type Palette, palette } from "../colours";
-import type { Flights, Table } from "../data";
+import type { Flights } from "../data";
+import type { Table } from "../table";
 import { card, h } from "../dom";
 import { digits, percent } from "../format";
 import { type Drawing, Frame } from "./frame";

@@ -1,6 +1,7 @@
 /** Sensitivity: completion when one parameter of the tuned set is multiplied in all segments. */
 import type { App } from "../app";
-import { type ParameterSet, row, type Sensitivity } from "../data";
+import type { ParameterSet, Sensitivity } from "../data";
+import { row } from "../table";
 import { card, h, renew, s } from "../dom";
 import { percent, symbol } from "../format";
 

@@ -2,7 +2,8 @@
 import uPlot from "uplot";
 import type { App } from "../app";
 import { DASHES, flightColour, type Palette } from "../colours";
-import type { Floats, Table, Trace } from "../data";
+import type { Trace } from "../data";
+import type { Floats, Table } from "../table";
 import { find, lastTime, lengths, progress } from "../flight";
 import { digits } from "../format";
 import { h } from "../dom";

@@ -1,6 +1,7 @@
 /** Parameters of a segment: default, first guess and tuned on a logarithmic axis, and how much the flights care. */
 import type { App } from "../app";
-import type { ParameterSet, Table } from "../data";
+import type { ParameterSet } from "../data";
+import type { Table } from "../table";
 import { card, h, renew, s } from "../dom";
 import { digits, percent, symbol } from "../format";
 import { segmentSwitch } from "./segments";

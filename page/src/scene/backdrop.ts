@@ -1,7 +1,8 @@
 /** Backdrop: the reference as a thin line, the lit segment, and a grid below with a plumb line from each gate. */
 import { BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, type Mesh } from "three";
 import type { Palette } from "../colours";
-import { type Course, row } from "../data";
+import type { Course } from "../data";
+import { row } from "../table";
 import { find } from "../flight";
 import { hair, ribbon } from "./lines";
 

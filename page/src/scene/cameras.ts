@@ -2,7 +2,8 @@
 import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Camera } from "../app";
-import { type Course, row } from "../data";
+import type { Course } from "../data";
+import { row } from "../table";
 import { between, find } from "../flight";
 import type { Extent } from "./backdrop";
 

@@ -1,7 +1,8 @@
 /** Gates: rings of the judged distance, across the way of the reference, with their numbers. */
 import { type BufferGeometry, Group, Mesh, type PerspectiveCamera, type ShaderMaterial, type Sprite, Vector3 } from "three";
 import type { Palette } from "../colours";
-import { type Course, row } from "../data";
+import type { Course } from "../data";
+import { row } from "../table";
 import { between, find } from "../flight";
 import { runs } from "../format";
 import { ribbon } from "./lines";

@@ -1,6 +1,6 @@
 /** Lines: hairs of one pixel, and ribbons of some pixels' width that face the camera; cheap enough for a processor that draws by itself. */
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Line, LineBasicMaterial, Mesh, ShaderMaterial, Vector2 } from "three";
-import type { Floats } from "../data";
+import type { Floats } from "../table";
 
 /** Size of the canvas in pixels; shared by all ribbons. */
 export const RESOLUTION = new Vector2(1, 1);

@@ -2,7 +2,8 @@
 import { Group, type Mesh, type Sprite, Vector3 } from "three";
 import type { App } from "../app";
 import { flightColour, palette } from "../colours";
-import { type Course, row } from "../data";
+import type { Course } from "../data";
+import { row } from "../table";
 import { Backdrop, type Extent } from "./backdrop";
 import { Cameras } from "./cameras";
 import { Drone } from "./drone";
