@@ -63,9 +63,8 @@ def test_the_page_of_a_study_does_what_it_should(tmp_path):
 def test_the_page_follows_a_study_that_runs(tmp_path):
     asked = ("tune", *RACE, "--goal", "none", "--validation", "0", "--out", str(tmp_path / "study"))
     hotlap(*asked, "--budget", "6")
-    with subprocess.Popen([*HOTLAP, "watch", str(tmp_path / "study"), "--port", "0", "--json"], stdout=subprocess.PIPE, text=True) as server:
-        address = read_document(server)["address"]
-        browser = subprocess.Popen(["node", "browser/live.mjs", address], cwd=PAGE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    with start(*HOTLAP, "watch", str(tmp_path / "study"), "--port", "0", "--json") as server:
+        browser = start("node", "browser/live.mjs", read_document(server)["address"])
         try:
             assert browser.stdout is not None
             assert browser.stdout.readline().strip() == "ready"
@@ -75,6 +74,10 @@ def test_the_page_follows_a_study_that_runs(tmp_path):
             browser.kill()
             server.terminate()
     assert browser.returncode == 0, complaints
+
+
+def start(*words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(words, cwd=PAGE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def read_document(process: subprocess.Popen[str]) -> dict[str, str]:
