@@ -10,6 +10,8 @@ import { h } from "../dom";
 import { type Drawing, Frame } from "./frame";
 import { beyond, course as drawCourse, level, mark } from "./marks";
 
+const OFTEN = 100; // ms; numbers that change faster cannot be read
+
 export interface Quantity {
   readonly title: string;
   readonly unit: string;
@@ -36,6 +38,7 @@ export class TimeChart {
   private readonly cursor = h("div", { class: "cursor" });
   private grid: Floats = new Float32Array();
   private lines: Line[] = [];
+  private said = 0;
 
   constructor(
     private readonly app: App,
@@ -49,6 +52,7 @@ export class TimeChart {
     for (const signal of [traces, course, app.shown, app.axis, app.theme]) signal.after(() => this.frame.build());
     app.lit.after(() => this.frame.plot?.redraw(false));
     app.clock.time.after(() => this.point());
+    app.clock.playing.after(() => this.point());
   }
 
   build(): void {
@@ -177,11 +181,17 @@ export class TimeChart {
     if (!plot) return;
     const x = this.place(this.app.clock.time.value);
     this.cursor.style.transform = `translateX(${plot.valToPos(x, "x")}px)`;
-    const index = Math.round(find(this.grid, x));
-    const parts = this.lines.map(({ id, label, values }) =>
+    const now = performance.now();
+    if (this.app.clock.playing.value && now - this.said < OFTEN) return;
+    this.said = now;
+    this.readout.replaceChildren(...this.say(Math.round(find(this.grid, x))));
+  }
+
+  /** What the flights do at a row of the grid. */
+  private say(index: number): HTMLElement[] {
+    return this.lines.map(({ id, label, values }) =>
       h("span", { class: `flight ${id}` }, h("i", { class: `dash ${id}`, "aria-hidden": "true" }), `${label} ${values[index] === null ? "ended" : digits(values[index])}`),
     );
-    this.readout.replaceChildren(...parts);
   }
 }
 

@@ -34,7 +34,7 @@ function facts(told: Headline): HTMLElement[] {
   const { validation } = told;
   return [
     fact("lap time", seconds(told.lap_time), plan),
-    fact("gates passed", percent(told.completion), told.confirmed ? `confirmed ${told.confirm} of ${told.confirm}` : "not confirmed", told.confirmed ? "" : "bad"),
+    fact("gates passed", percent(told.completion), ...standing(told)),
     validation
       ? fact("holds in", percent(validation.rate), `${validation.successes} of ${validation.flights} fresh flights; 95 %: ${interval(validation)}`)
       : fact("holds in", "–", "not validated"),
@@ -43,4 +43,10 @@ function facts(told: Headline): HTMLElement[] {
 
 function fact(name: string, value: string, detail: string, state = ""): HTMLElement {
   return h("div", { class: state }, h("dt", {}, name), h("dd", { class: "big" }, value), h("dd", { class: "quiet" }, detail));
+}
+
+/** Whether the best candidate was confirmed, and whether that is bad news. */
+function standing(told: Headline): [string, string] {
+  if (told.confirmed) return [`confirmed ${told.confirm} of ${told.confirm}`, ""];
+  return told.state === "running" ? ["not yet confirmed", ""] : ["not confirmed", "bad"];
 }

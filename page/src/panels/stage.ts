@@ -9,6 +9,8 @@ import { slider } from "./slider";
 
 const CAMERAS: readonly Camera[] = ["follow", "orbit", "top"];
 
+const HINT = "space plays; ← → move the clock; , . go from gate to gate; 1 2 3 choose the camera";
+
 export interface Stage {
   readonly element: HTMLElement;
   /** To be called when the page stands. */
@@ -20,7 +22,7 @@ export function stage(app: App, map: SVGElement | null): Stage {
   const ground = h("span", { class: "quiet" });
   const place = h("div", { class: "scene" }, canvas);
   const framed = h("div", { class: "framed" }, h("div", { class: "scene-top" }, chips(app), cameras(app)), place, h("div", { class: "scene-foot" }, ground, scale(app)));
-  const element = h("section", { class: "stage", "aria-label": "The flight" }, framed, controls(app));
+  const element = h("section", { class: "stage", "aria-label": "The flight" }, framed, controls(app), h("p", { class: "hint quiet" }, HINT));
   const start = (): TrackScene | null => {
     try {
       const scene = new TrackScene(app, canvas);

@@ -1,44 +1,39 @@
 /** Gates: rings of the judged distance, across the way of the reference, with their numbers. */
-import { type BufferGeometry, Group, Mesh, type PerspectiveCamera, type ShaderMaterial, type Sprite, Vector3 } from "three";
+import { Group, type PerspectiveCamera, type Sprite, Vector3 } from "three";
 import type { Palette } from "../colours";
 import type { Course } from "../data";
 import { row } from "../table";
 import { between, find } from "../flight";
 import { runs } from "../format";
-import { ribbon } from "./lines";
+import { type Ribbon, ribbon, ribbons } from "./lines";
 import { label } from "./sprites";
 
 const NEAR = 0.5; // m, of gates that count as one place
 const CORNERS = 40;
 const ROOM = 0.042; // of the height of the view, that a number takes
 
-type Ring = Mesh<BufferGeometry, ShaderMaterial>;
-
 export class Gates {
   readonly group = new Group();
-  private readonly rings: Ring[] = [];
+  private readonly marked: Ribbon[] = [];
   private readonly numbers: { readonly sprite: Sprite; readonly gates: readonly number[] }[] = [];
-  private readonly plain: Ring;
-  private readonly lit: Ring;
-  private readonly next: Ring;
 
   constructor(
     private readonly course: Course,
     palette: Palette,
   ) {
-    this.plain = ring(course.gate_distance, 1.5, palette.quiet);
-    this.lit = ring(course.gate_distance, 4, palette.accent);
-    this.next = ring(course.gate_distance, 3, palette.ink);
-    for (const members of group(course)) this.place(members, palette);
+    const circles = Array.from({ length: course.gates.shape[0] }, (_, gate) => circle(course, gate));
+    this.group.add(ribbons(circles, 1.5, palette.quiet));
+    this.marked = circles.map((points) => ribbon(points, 3.5, palette.ink));
+    this.group.add(...this.marked);
+    for (const members of group(course)) this.number(members, palette);
   }
 
   /** Marks the next gate at a time, and those of a segment. */
   update(time: number, segment: number | null): void {
     const next = this.course.gate_times.values.findIndex((gate) => gate >= time);
-    this.rings.forEach((ring, gate) => {
+    this.marked.forEach((ring, gate) => {
       const mine = segment !== null && this.course.gate_segments[gate] === segment;
-      const like = mine ? this.lit : gate === next ? this.next : this.plain;
-      [ring.geometry, ring.material] = [like.geometry, like.material];
+      ring.visible = mine || gate === next;
     });
   }
 
@@ -58,27 +53,30 @@ export class Gates {
     }
   }
 
-  private place(members: readonly number[], palette: Palette): void {
-    for (const gate of members) {
-      const ring = new Mesh(this.plain.geometry, this.plain.material);
-      ring.position.fromArray(row(this.course.gates, gate));
-      ring.lookAt(ring.position.clone().add(heading(this.course, gate)));
-      this.rings[gate] = ring;
-      this.group.add(ring);
-    }
-    const text = label(runs(members, 3), palette.ink, palette.face);
-    text.position.fromArray(row(this.course.gates, members[0]));
-    text.position.z += this.course.gate_distance * 1.05;
-    text.center.set(0.5, -0.05);
-    this.group.add(text);
-    this.numbers.push({ sprite: text, gates: members });
+  private number(members: readonly number[], palette: Palette): void {
+    const sprite = label(runs(members, 3), palette.ink, palette.face);
+    sprite.position.fromArray(row(this.course.gates, members[0]));
+    sprite.position.z += this.course.gate_distance * 1.05;
+    sprite.center.set(0.5, -0.05);
+    this.group.add(sprite);
+    this.numbers.push({ sprite, gates: members });
   }
 }
 
-/** A circle around the z axis, drawn with a width in pixels. */
-function ring(radius: number, width: number, colour: string): Ring {
-  const angles = Array.from({ length: CORNERS + 1 }, (_, i) => (2 * Math.PI * i) / CORNERS);
-  return ribbon(Float32Array.from(angles.flatMap((angle) => [radius * Math.cos(angle), radius * Math.sin(angle), 0])), width, colour);
+/** Points around a gate, across the way of the reference. */
+function circle(course: Course, gate: number): Float32Array {
+  const way = heading(course, gate);
+  const middle = new Vector3().fromArray(row(course.gates, gate));
+  const across = new Vector3(0, 0, 1).cross(way);
+  if (across.lengthSq() < 1e-6) across.set(1, 0, 0);
+  across.normalize();
+  const up = way.clone().cross(across);
+  const points = Array.from({ length: CORNERS + 1 }, (_, i) => {
+    const angle = (2 * Math.PI * i) / CORNERS;
+    const [x, y] = [course.gate_distance * Math.cos(angle), course.gate_distance * Math.sin(angle)];
+    return middle.clone().addScaledVector(across, x).addScaledVector(up, y).toArray();
+  });
+  return Float32Array.from(points.flat());
 }
 
 /** Unit vector along the reference at a gate. */

@@ -2,6 +2,8 @@
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Line, LineBasicMaterial, Mesh, ShaderMaterial, Vector2 } from "three";
 import type { Floats } from "../table";
 
+export type Ribbon = Mesh<BufferGeometry, ShaderMaterial>;
+
 /** Size of the canvas in pixels; shared by all ribbons. */
 export const RESOLUTION = new Vector2(1, 1);
 
@@ -47,15 +49,21 @@ export function tinted(points: Floats, colours: Floats, opacity: number): Line {
 }
 
 /** A line of some pixels, in one colour or in one for each row (0 to 1). */
-export function ribbon(points: Floats, width: number, colour: string | Floats, opacity = 1): Mesh<BufferGeometry, ShaderMaterial> {
+export function ribbon(points: Floats, width: number, colour: string | Floats, opacity = 1): Ribbon {
+  return ribbons([points], width, colour, opacity);
+}
+
+/** Several of them that are drawn at once. */
+export function ribbons(parts: readonly Floats[], width: number, colour: string | Floats, opacity = 1): Ribbon {
+  const points = join(parts);
   const count = points.length / 3;
   const tint = typeof colour === "string" ? repeat(new Color(colour).toArray(), count) : colour;
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", twice(points));
-  geometry.setAttribute("along", twice(tangents(points)));
+  geometry.setAttribute("along", twice(join(parts.map(tangents))));
   geometry.setAttribute("tint", twice(tint));
   geometry.setAttribute("side", new BufferAttribute(Float32Array.from({ length: 2 * count }, (_, i) => (i % 2 ? 1 : -1)), 1));
-  geometry.setIndex(Array.from({ length: Math.max(0, count - 1) }, (_, i) => [2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 1, 2 * i + 3, 2 * i + 2]).flat());
+  geometry.setIndex(corners(parts.map((part) => part.length / 3)));
   const uniforms = { width: { value: width }, resolution: { value: RESOLUTION }, opacity: { value: opacity } };
   const material = new ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms, side: DoubleSide, transparent: opacity < 1 });
   const made = new Mesh(geometry, material);
@@ -64,8 +72,30 @@ export function ribbon(points: Floats, width: number, colour: string | Floats, o
 }
 
 /** Shows the first rows of a ribbon only. */
-export function reveal(shown: Mesh<BufferGeometry>, rows: number): void {
+export function reveal(shown: Ribbon, rows: number): void {
   shown.geometry.setDrawRange(0, Math.max(0, 6 * Math.floor(rows)));
+}
+
+/** Two triangles between each two rows of a part. */
+function corners(counts: readonly number[]): number[] {
+  const index: number[] = [];
+  let first = 0;
+  for (const count of counts) {
+    for (let i = 2 * first; i < 2 * (first + count - 1); i += 2) index.push(i, i + 1, i + 2, i + 1, i + 3, i + 2);
+    first += count;
+  }
+  return index;
+}
+
+function join(parts: readonly Floats[]): Floats {
+  if (parts.length === 1) return parts[0];
+  const joined = new Float32Array(parts.reduce((sum, part) => sum + part.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    joined.set(part, at);
+    at += part.length;
+  }
+  return joined;
 }
 
 function twice(values: Floats): BufferAttribute {

@@ -1,5 +1,5 @@
 /** Scene: the track in space, and the flights along it at the time of the clock. */
-import { Group, type Mesh, type Sprite, Vector3 } from "three";
+import { Group, type Material, type Mesh, Vector3 } from "three";
 import type { App } from "../app";
 import { flightColour, palette } from "../colours";
 import type { Course } from "../data";
@@ -8,7 +8,7 @@ import { Backdrop, type Extent } from "./backdrop";
 import { Cameras } from "./cameras";
 import { Drone } from "./drone";
 import { Gates } from "./gates";
-import { cross } from "./sprites";
+import { crosses } from "./sprites";
 import { Trail } from "./trail";
 import { View } from "./view";
 
@@ -81,16 +81,8 @@ export class TrackScene {
     this.drones = shown.map((trace, i) => new Drone(course, trace, flightColour(theme, trace.id), palette(theme), i > 0));
     for (const { trail } of this.trails) this.content.add(trail.group);
     for (const drone of this.drones) this.content.add(drone.group);
-    for (const repeat of app.parts.repeats.value) if (app.shown.value.has(repeat.id)) this.addFailures(repeat.failures);
-  }
-
-  private addFailures(places: { readonly values: Float32Array; readonly shape: readonly number[] }): void {
-    const colours = palette(this.app.theme.value);
-    const mark = cross(colours.failure, colours.face);
-    for (let i = 0; i < places.shape[0]; i++) {
-      const copy = mark.clone();
-      copy.position.fromArray(row(places, i));
-      this.content.add(copy);
+    for (const repeat of app.parts.repeats.value) {
+      if (app.shown.value.has(repeat.id)) this.content.add(crosses(repeat.failures.values, palette(theme).failure, palette(theme).face));
     }
   }
 
@@ -128,8 +120,9 @@ function extent(course: Course): Extent {
 
 function dispose(group: Group): void {
   group.traverse((object) => {
-    const mesh = object as Partial<Mesh & Sprite>;
-    mesh.geometry?.dispose();
-    for (const material of [mesh.material ?? []].flat()) material.dispose();
+    const { geometry, material } = object as Partial<Mesh<Mesh["geometry"], Material & { map?: { dispose(): void } | null }>>;
+    geometry?.dispose();
+    material?.map?.dispose();
+    material?.dispose();
   });
 }

@@ -1,9 +1,10 @@
 /** Marks that keep their size on the screen: numbers of gates, crosses, names. */
-import { CanvasTexture, LinearFilter, Sprite, SpriteMaterial, SRGBColorSpace } from "three";
+import { BufferAttribute, BufferGeometry, CanvasTexture, LinearFilter, Points, PointsMaterial, Sprite, SpriteMaterial, SRGBColorSpace } from "three";
 
 const FONT = "600 26px system-ui, sans-serif";
 const HEIGHT = 40; // pixels of a texture
 const SIZE = 0.034; // of the height of the view
+const CROSS = 17; // pixels
 
 /** A text, above everything. */
 export function label(text: string, colour: string, halo: string, offset = 0): Sprite {
@@ -26,8 +27,8 @@ export function label(text: string, colour: string, halo: string, offset = 0): S
   return made;
 }
 
-/** A cross where a flight failed. */
-export function cross(colour: string, halo: string): Sprite {
+/** Crosses where flights failed, all drawn at once. */
+export function crosses(places: Float32Array, colour: string, halo: string): Points {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = HEIGHT;
   const context = pen(canvas);
@@ -42,18 +43,27 @@ export function cross(colour: string, halo: string): Sprite {
     context.lineTo(9, 31);
     context.stroke();
   }
-  return sprite(canvas, 0.026);
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(places, 3));
+  const style = { size: CROSS, sizeAttenuation: false, depthTest: false, transparent: true };
+  const made = new Points(geometry, new PointsMaterial({ map: texture(canvas), ...style }));
+  made.renderOrder = 15;
+  made.frustumCulled = false;
+  return made;
 }
 
 function sprite(canvas: HTMLCanvasElement, size: number): Sprite {
+  const made = new Sprite(new SpriteMaterial({ map: texture(canvas), sizeAttenuation: false, depthTest: false, transparent: true }));
+  made.scale.set((size * canvas.width) / canvas.height, size, 1);
+  made.renderOrder = 20;
+  return made;
+}
+
+function texture(canvas: HTMLCanvasElement): CanvasTexture {
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
   map.minFilter = LinearFilter;
   map.generateMipmaps = false;
-  const made = new Sprite(new SpriteMaterial({ map, sizeAttenuation: false, depthTest: false, transparent: true }));
-  made.scale.set((size * canvas.width) / canvas.height, size, 1);
-  made.renderOrder = 20;
-  return made;
+  return map;
 }
 
 function pen(canvas: HTMLCanvasElement): CanvasRenderingContext2D {

@@ -4,13 +4,13 @@ import type { Theme } from "../app";
 import { flightColour, viridis } from "../colours";
 import type { Trace } from "../data";
 import { find } from "../flight";
-import { reveal, ribbon, tinted } from "./lines";
+import { reveal, type Ribbon, ribbon, tinted } from "./lines";
 
 const SPACING = 0.02; // s, between points that are drawn
 
 export class Trail {
   readonly group = new Group();
-  private readonly flown: ReturnType<typeof ribbon>;
+  private readonly flown: Ribbon;
   private readonly stride: number;
 
   constructor(

@@ -2,7 +2,7 @@
 import { Color, type PerspectiveCamera, Scene, WebGLRenderer } from "three";
 import { RESOLUTION } from "./lines";
 
-const LEAST = 0.6; // pixels drawn for one of the page
+const LEAST = 0.75; // pixels drawn for one of the page
 const SLOW = 31; // ms from frame to frame
 const QUICK = 19;
 const PAUSE = 120; // ms, longer than from frame to frame
