@@ -7,7 +7,7 @@
 #   make bench     measure the flights    make studies   run the tests of minutes
 #   make benchmarks   measure everything  make clean     remove .venv and caches
 #   make first-guess   learn first guesses anew, a quarter of an hour, resumable
-#   make page     build the study page anew from page/ (needs node 20 and npm)
+#   make page      build the study page anew from page/ (needs node 20 and npm)
 #   make comparison   all tuners on all races, an hour or two, resumable (PART=random for another part, see benchmarks/comparison.py)
 
 CANDIDATES := python3.11 python3.12 python3.13 python3 python
