@@ -7,6 +7,7 @@
 #   make bench     measure the flights    make studies   run the tests of minutes
 #   make benchmarks   measure everything  make clean     remove .venv and caches
 #   make first-guess   learn first guesses anew, a quarter of an hour, resumable
+#   make page      build the study page anew from page/ (needs node 20 and npm)
 #   make comparison   all tuners on all races, an hour or two, resumable (PART=random for another part, see benchmarks/comparison.py)
 
 CANDIDATES := python3.11 python3.12 python3.13 python3 python
@@ -19,7 +20,7 @@ PART ?= main
 ARGS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: tune test lint types bench benchmarks comparison first-guess studies venv docs clean
+.PHONY: tune test lint types bench benchmarks comparison first-guess studies venv docs page clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
@@ -55,6 +56,13 @@ docs: $(VENV)/.docs
 	$(BIN)/python docs/tables.py
 	$(BIN)/python -m sphinx -W --keep-going -q -n docs build/docs $(ARGS)
 	@echo "open build/docs/index.html"
+
+page: page/node_modules
+	cd page && npm run --silent build
+
+page/node_modules: page/package-lock.json
+	cd page && npm ci --no-audit --no-fund
+	@touch $@
 
 venv: $(VENV)/.dev
 

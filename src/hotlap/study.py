@@ -61,8 +61,13 @@ class Study:
         self._mark = time.perf_counter()
 
     @classmethod
-    def open(cls, folder: str | Path, configuration: Configuration) -> Self:
+    def open(cls, folder: str | Path, configuration: Configuration, command: str = "") -> Self:
         """Begin a study, or go on with one of the same configuration; a larger budget may be given.
+
+        Args:
+            folder: of the study.
+            configuration: what it is a study of.
+            command: that does the same again, to be kept.
 
         Raises:
             StudyError: another configuration, another process at work, a file that is no study or of a newer format, no room.
@@ -73,6 +78,8 @@ class Study:
                 study._create(configuration)
             else:
                 study._continue(configuration)
+            if command and command != study.command:
+                study._enter("command", command)
         return study
 
     @classmethod
@@ -132,6 +139,11 @@ class Study:
             wall_time=self.wall_time,
             remark=remark_of(tuning.tuner),
         )
+
+    @property
+    def command(self) -> str:
+        """The command that does the same again; "" where it was not kept."""
+        return self._entry("command") or ""
 
     @property
     def openings(self) -> list[tuple[str, dict[str, str]]]:

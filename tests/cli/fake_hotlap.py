@@ -45,7 +45,7 @@ class Loud(FakeWorld):
 
 
 def build(name: str) -> Loud:
-    if name != "built-in":
+    if name not in {"built-in", "fake"}:  # as a study knows it
         raise UnknownNameError("world", name, ["built-in"], "--on")
     pause = float(os.environ.get("FAKE_PAUSE", "0"))
     return Loud(name="fake", pause=pause, loud=pause > 0)

@@ -62,12 +62,14 @@ def test_a_confirmed_goal_is_success_and_says_everything(hotlap, here):
     for line in (
         f"study           {study}\n",
         f"parameters      {study}/parameters.toml\n",
+        f"report          {study}/report.html\n",
         f"pictures        {study}/track.svg\n{' ' * 18}{study}/error.svg\n",
     ):
         assert line in ran.out
     assert ran.out.endswith(f"fly it again: hotlap fly straight.toml --parameters {study}\n")
     assert ran.err.splitlines()[:2] == ["planning straight ...", "compiling the flight core (once, about half a minute) ..."]
-    assert re.fullmatch(r"\d+ of 200 flights, best so far: completion 100 %, cost \S+, confirmed, \S+ flights/s", ran.err.splitlines()[-1])
+    assert re.fullmatch(r"\d+ of 200 flights, best so far: completion 100 %, cost \S+, confirmed, \S+ flights/s", ran.err.splitlines()[-2])
+    assert ran.err.splitlines()[-1] == "writing the report ..."
 
 
 def test_json_is_one_document_with_the_keys_that_are_relied_on(hotlap):
@@ -249,7 +251,8 @@ def test_killed_in_the_middle_the_same_command_ends_as_if_never_stopped(hotlap, 
     assert content(here / "mine") == content(here / "whole")
     assert (here / "mine" / "parameters.toml").read_bytes() == (here / "whole" / "parameters.toml").read_bytes()
     ours, theirs = ({**ran, "wall_time": 0} for ran in (type(whole)(1, out, err).document, whole.document))
-    assert {**ours, "study": "", "parameters": "", "pictures": ""} == {**theirs, "study": "", "parameters": "", "pictures": ""}
+    paths = dict.fromkeys(("study", "parameters", "report", "pictures"))
+    assert {**ours, **paths} == {**theirs, **paths}
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])

@@ -22,7 +22,7 @@ class PlausibleWorld:
         crash: end failed flights as crashes.
     """
 
-    name = "plausible"
+    name, takes_truth = "plausible", False
 
     def __init__(self, reach: float = 1.2, noise: float = 0.25, *, crash: bool = False) -> None:
         self.reach, self.noise, self.crash = reach, noise, crash

@@ -22,9 +22,10 @@ from hotlap.objective import Objective
 from hotlap.race import JudgeSettings, Rule
 from hotlap.records import End, Log
 from hotlap.report import figures
+from hotlap.report.demonstration import choose, demonstrate
 from hotlap.report.history import compare, recount
 from hotlap.report.map import CLASS_CODES
-from hotlap.report.pictures import FORMATS, demonstrate, draw, draw_plan, save
+from hotlap.report.pictures import FORMATS, draw, draw_plan, save
 from hotlap.report.scene import stage
 from hotlap.report.style import CLASS_COLOURS, styled
 from hotlap.scoring import Metric
@@ -150,7 +151,7 @@ class WatchedWorld(PlausibleWorld):
 def test_best_and_first_guess_meet_the_same_noise_of_the_demonstration():
     course, world, seeds = make_course(), WatchedWorld(), flight_seeds(3, Stream.DEMONSTRATION, 0, 4)
     first, best = course.space.first_guess(2), np.tile(OPTIMUM, (2, 1))
-    scene = demonstrate(course, world, first, best, seeds)
+    scene = demonstrate(course, world, choose(course, first, best), seeds)
     parameters, flown, log = world.asked
     np.testing.assert_array_equal(flown, np.tile(seeds, 2))
     np.testing.assert_array_equal(parameters, np.concatenate([[best] * 4, [first] * 4]))
@@ -161,9 +162,21 @@ def test_best_and_first_guess_meet_the_same_noise_of_the_demonstration():
 def test_a_first_guess_that_is_the_best_is_flown_once():
     course, world = make_course(), WatchedWorld()
     guess = course.space.first_guess(2)
-    scene = demonstrate(course, world, guess, guess.copy(), np.arange(4))
+    scene = demonstrate(course, world, choose(course, guess, guess.copy()), np.arange(4))
     assert len(world.asked[1]) == 4
-    assert [flight.label for flight in scene.traces] == ["first guess"]
+    assert [flight.label for flight in scene.traces] == ["best"]
+
+
+def test_a_guess_that_is_not_the_default_has_the_default_beside_it():
+    course, guess = make_course(), np.tile(OPTIMUM, (2, 1))
+    assert [one.label for one in choose(course, guess, guess.copy())] == ["best", "default"]
+    assert [one.label for one in choose(course, guess, 2 * guess)] == ["best", "first guess", "default"]
+
+
+def show(course, reach, count):
+    """A good flight, and a bad one of the first guess."""
+    best = np.tile(OPTIMUM, (2, 1))
+    return demonstrate(course, PlausibleWorld(reach=reach), choose(course, course.space.first_guess(2), best), np.arange(count))
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
@@ -233,7 +246,7 @@ def texts(figure: Figure) -> str:
 
 def test_every_axis_has_its_unit():
     course = make_course()
-    scene = demonstrate(course, PlausibleWorld(reach=20.0), course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), np.arange(4))
+    scene = show(course, 20.0, 4)
     assert all(words in texts(figures.track(scene)) for words in ("x [m]", "y [m]", "z [m]", "m/s", "start", "first guess"))
     error = texts(figures.tracking_error(scene))
     assert all(words in error for words in ("time [s]", "distance [m]", "1.3 m", "flat", "ascent", "missed gate"))
@@ -263,7 +276,7 @@ def test_a_figure_of_one_file_is_saved_whole(tmp_path):
 
 def test_failures_are_shown_without_repeats_as_well():
     course = make_course()
-    scene = demonstrate(course, PlausibleWorld(reach=20.0), course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), np.arange(4))
+    scene = show(course, 20.0, 4)
     assert "failed flights" in texts(figures.track(scene))
     assert "failed flights" in texts(figures.track(replace(scene, repeats=())))
     assert "failed flights" not in texts(figures.track(replace(scene, repeats=(), traces=scene.traces[:1])))
@@ -271,6 +284,6 @@ def test_failures_are_shown_without_repeats_as_well():
 
 def test_an_error_above_the_chart_is_written():
     course = make_course()
-    scene = demonstrate(course, PlausibleWorld(reach=60.0), course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), np.arange(1))
+    scene = show(course, 60.0, 1)
     assert scene.traces[1].error[-1] > 2.3
     assert f"at {scene.traces[1].error[-1]:.1f} m" in texts(figures.tracking_error(scene))

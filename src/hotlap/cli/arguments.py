@@ -13,6 +13,7 @@ RULES = ("paper", "released_1m", "released_3m", "none", "equal_time")
 GUESSES = ("learned", "paper", "default")
 REPRODUCED = Path("runs/reproduced")
 EXPERIMENTS = ("table1", "table2", "table3", "landscape", "experts", "robustness", "initialisations")
+FORMATS = ("png", "pdf", "svg")
 GOALS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
 
 
@@ -42,6 +43,10 @@ class Command:
 
 def _race(parser: Parser) -> None:
     parser.add_argument("race", metavar="RACE", help="a built-in race (hotlap races) or a TOML file")
+
+
+def _study(parser: Parser) -> None:
+    parser.add_argument("study", type=path, metavar="DIR", help="folder of a study, as hotlap tune makes it")
 
 
 def _reference(parser: Parser) -> None:
@@ -122,6 +127,22 @@ def _fly(parser: Parser) -> None:
     _controller(parser)
     _world(parser)
     add("--log", type=path, metavar="FILE", help="write the first flight as CSV, step by step")
+
+
+def _report(parser: Parser) -> None:
+    add = parser.add_argument
+    _study(parser)
+    add("--figures", action="store_true", help="draw every figure of the page as well, each into a file of its own")
+    formats = one_of("format", FORMATS)
+    add("--format", type=formats, default=FORMATS[0], metavar="NAME", help=f"of the figures: {', '.join(FORMATS)} (default: {FORMATS[0]})")
+    add("--video", type=path, metavar="FILE", help="the flight as a moving picture: .gif or .mp4")
+
+
+def _watch(parser: Parser) -> None:
+    _study(parser)
+    add = parser.add_argument
+    add("--port", type=whole, default=0, metavar="N", help="to listen on (default: 0, any that is free)")
+    add("--host", default="127.0.0.1", metavar="NAME", help="to listen on (default: 127.0.0.1, this machine alone)")
 
 
 def _compare(parser: Parser) -> None:
@@ -225,6 +246,20 @@ COMMANDS: Mapping[str, Command] = {
         "Fly a race with given parameters and fresh noise, and say how the flights ended.",
         _fly,
         ("hotlap fly circle-34", "hotlap fly circle-34 --parameters runs/mine --flights 1000"),
+    ),
+    "report": Command(
+        "write the page of a study again",
+        "Write report.html into the folder of a study: the flight in three dimensions, what was tuned, and whether it will hold, in one\n"
+        "file that needs no network. Its flights are flown again with fresh noise.",
+        _report,
+        ("hotlap report runs/mine", "hotlap report runs/mine --figures --format pdf", "hotlap report runs/mine --video lap.gif"),
+    ),
+    "watch": Command(
+        "show a study in the browser while it runs",
+        "Show the page of a study to browsers on this machine, and keep it up to date as flights come in, until Ctrl-C. Nothing is\n"
+        "written; --json prints the address at once.",
+        _watch,
+        ("hotlap watch runs/mine", "hotlap watch runs/mine --port 8080"),
     ),
     "landscape": Command(
         "map completion over two parameters",

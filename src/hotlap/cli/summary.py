@@ -36,6 +36,7 @@ def summarise(result: Result, holds: Sequence[Hold], paths: Mapping[str, Any], o
             "wall time": seconds(result.wall_time, 1),
             "study": paths["study"],
             "parameters": paths["parameters"],
+            "report": paths["report"] or "",
             **{"pictures" if i == 0 else " " * i: path for i, path in enumerate(paths["pictures"])},
         }
     )

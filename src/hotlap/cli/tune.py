@@ -1,10 +1,11 @@
-"""`hotlap tune RACE`: the main job: tune, confirm, validate, save, draw."""
+"""`hotlap tune RACE`: the main job: tune, confirm, validate, save, draw, report."""
 
 from __future__ import annotations
 
 import math
 import shlex
 from argparse import Namespace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,13 +42,17 @@ def run(options: Namespace) -> int:
         return fastest.run(options)
     world, configuration = _configure(options)
     folder = new_folder(configuration.course.race.name) if options.out is None else options.out
-    with remark(f"nothing is lost; go on with: {_continuing(options, folder)}"), Study.open(folder, configuration) as study:
+    with (
+        remark(f"nothing is lost; go on with: {_continuing(options, folder)}"),
+        Study.open(folder, configuration, repeating(options.arguments)) as study,
+    ):
         result = _carry_out(study, world)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
         pictures = _draw(study, world)
         holds = _holds(study, world, result)
-    paths = {"study": str(folder), "parameters": str(file), "pictures": [str(path) for path in pictures]}
+        report = _report(study, world, holds)
+    paths = {"study": str(folder), "parameters": str(file), "report": report, "pictures": [str(path) for path in pictures]}
     present(
         as_json=options.json,
         document={**result.dump(), "world": world.name, "first_guess": options.first_guess, "hold": dump_holds(holds), **paths},
@@ -123,6 +128,18 @@ def _draw(study: Study, world: World) -> tuple[Path, ...]:
         return ()
 
 
+def _report(study: Study, world: World, holds: tuple[Hold, ...]) -> str | None:
+    """The page of a study, of which the same is true."""
+    from hotlap.report.page.writing import write_report  # noqa: PLC0415  it loads the flight core
+
+    try:
+        with working("writing the report"):
+            return str(write_report(study, world, holds))
+    except (HotlapError, OSError) as error:
+        note(f"note: no report: {error}")
+        return None
+
+
 def _holds(study: Study, world: World, result: Result) -> tuple[Hold, ...]:
     """How the best parameters fare where the truth is a little different; nothing where the world flies what it has."""
     configuration = study.configuration
@@ -132,6 +149,16 @@ def _holds(study: Study, world: World, result: Result) -> tuple[Hold, ...]:
 
     with working("flying it where the truth is different"):
         return will_it_hold(configuration.course, world, configuration.settings.goal, result.best.parameters, result.seed)
+
+
+def repeating(arguments: Sequence[str]) -> str:
+    """The command that does the same in another folder."""
+    kept, skip = [], False
+    for word in arguments:
+        if not skip and word not in {"--out", "--json"} and not word.startswith("--out="):
+            kept.append(word)
+        skip = word == "--out"
+    return shlex.join(["hotlap", "tune", *kept])
 
 
 def _continuing(options: Namespace, folder: Path) -> str:

@@ -85,7 +85,7 @@ def recount(ledger: Ledger, goal: Goal) -> History:
         completion=ledger.completion[rows],
         searching=ledger.streams[rows] == int(Stream.SEARCH),
         accepted=ledger.accepted[rows],
-        failed=~_succeeded(ledger, goal)[rows],
+        failed=~succeeded(ledger, goal)[rows],
         cost_name="cost [s]" if goal.metric is Metric.TIME else "cost [m]",
     )
 
@@ -104,7 +104,7 @@ def compare(space: ParameterSpace, segments: Segments, before: Parameters, after
     return Change(space.names, units, space.low, space.high, before, after, segments)
 
 
-def _succeeded(ledger: Ledger, goal: Goal) -> Booleans:
+def succeeded(ledger: Ledger, goal: Goal) -> Booleans:
     """Which flights met the goal, shape (F,)."""
     if goal.quantity is Quantity.COMPLETION:
         return ledger.completion >= goal.threshold

@@ -4,28 +4,29 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from hotlap.course import Course
 from hotlap.errors import InputError
-from hotlap.parameters import Parameters
+from hotlap.report.demonstration import choose, demonstrate
 from hotlap.report.figures import convergence, track, tracking_error, tuned_parameters
 from hotlap.report.history import compare, recount
-from hotlap.report.scene import Scene, repeat, stage, trace
+from hotlap.report.scene import stage
 from hotlap.report.style import own_settings
 from hotlap.seeds import Stream, flight_seeds
 from hotlap.study import Study
 from hotlap.worlds.world import World
 
 FORMATS = ("png", "pdf", "svg")
-FLIGHTS = 8  # of the first guess and of the best, all with the same noise; the first of each is the one that is shown
+FLIGHTS = 8  # of each set of parameters, all with the same noise; the first of each is the one that is shown
+SETS = 2  # the best, and the first guess, or the default where that is the best
 
 
 def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tuple[Path, ...]:
     """Draw a study: track, convergence, tracking error and parameters.
 
-    The first guess and the best parameters are flown again, with noise of their own stream; nothing is chosen among these flights.
+    The best parameters and the first guess (or the default) are flown again, with noise of their own stream; nothing is chosen among
+    these flights.
 
     Args:
         folder: where the pictures go.
@@ -42,7 +43,8 @@ def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tu
     asked = study.configuration
     result, settings, space = study.result, asked.settings, asked.course.space
     first, best = asked.first_guess, asked.first_guess if result is None else result.best.parameters
-    scene = demonstrate(asked.course, world, first, best, flight_seeds(settings.seed, Stream.DEMONSTRATION, 0, flights))
+    shown, seeds = choose(asked.course, first, best)[:SETS], flight_seeds(settings.seed, Stream.DEMONSTRATION, 0, flights)
+    scene = demonstrate(asked.course, world, shown, seeds)
     history = recount(study.flights(), settings.goal)
     change = compare(space, asked.course.segments, first, best, asked.course.race.controller.horizon_unit)
     title = f"{scene.race}: {asked.tuner}"
@@ -53,26 +55,6 @@ def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tu
         "parameters": tuned_parameters(change, f"{scene.race}: what was tuned"),
     }
     return tuple(save(folder / f"{name}.png", figure) for name, figure in figures.items())
-
-
-def demonstrate(course: Course, world: World, first: Parameters, best: Parameters, seeds: np.ndarray) -> Scene:
-    """Fly the best parameters and the first guess, each shape (S, K), through the same noise, and record one flight of each.
-
-    Args:
-        course: what is flown.
-        world: where.
-        first: the first guess.
-        best: the best parameters.
-        seeds: shape (N,).
-    """
-    same = np.array_equal(first, best)
-    kinds = [("first guess", first)] if same else [("best", best), ("first guess", first)]
-    count = len(seeds)
-    parameters = np.concatenate([np.repeat(values[None], count, axis=0) for _, values in kinds])
-    flown = world.fly(course, parameters, np.tile(seeds, len(kinds)), log=[i * count for i in range(len(kinds))])
-    traces = tuple(trace(course, flown, i * count, label) for i, (label, _) in enumerate(kinds))
-    repeats = tuple(repeat(flown, slice(i * count, (i + 1) * count), label) for i, (label, _) in enumerate(kinds))
-    return stage(course, traces, repeats)
 
 
 def draw_plan(path: Path, course: Course) -> None:

@@ -23,27 +23,39 @@ class Trace:
 
     Attributes:
         label: what it shows ("best").
+        seed: of its noise.
         times: shape (n,) [s].
         position: shape (n, 3) [m] (world).
+        attitude: shape (n, 4) (w, x, y, z), body to world.
         speed: shape (n,) [m/s].
         error: shape (n,) [m] distance from the clocked reference.
+        rates: shape (n, 3) [rad/s] (body).
+        rotor_thrusts: shape (n, 4) [N].
+        commands: shape (n, 4): thrust per mass [m/s^2] and rates [rad/s].
         end: how the flight ended.
         end_time: [s] of the last passed gate, the miss or the crash.
         end_position: shape (3,) [m] (world) at that time.
         gates_passed: consecutive, from the first.
+        lap_time: [s] at the last gate; NaN where it was not reached.
         seen_times: shape (M,) [s] when each gate's distance was measured; NaN where the flight did not get there.
         gate_distance: shape (M,) [m] as the judge measures it; NaN likewise.
     """
 
     label: str
+    seed: int
     times: Floats
     position: Floats
+    attitude: Floats
     speed: Floats
     error: Floats
+    rates: Floats
+    rotor_thrusts: Floats
+    commands: Floats
     end: End
     end_time: float
     end_position: Floats
     gates_passed: int
+    lap_time: float
     seen_times: Floats
     gate_distance: Floats
 
@@ -69,12 +81,16 @@ class Repeats:
         flights: how many.
         complete: how many passed all gates.
         failures: shape (F, 3) [m] (world) where the others ended, as far as that is known.
+        failed_gates: shape (F,) index of the gate that each of them did not pass.
+        crashed: shape (F,) whether it crashed on the way there; else it missed the gate.
     """
 
     label: str
     flights: int
     complete: int
     failures: Floats
+    failed_gates: NDArray[np.int64]
+    crashed: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -127,14 +143,20 @@ def trace(course: Course, flights: Flights, index: int, label: str) -> Trace:
     clocked = flights.clock_distance[index] if course.race.judge.rule is Rule.CLOCK else None
     return Trace(
         label=label,
+        seed=int(flights.seeds[index]),
         times=times,
         position=states[:, :3],
+        attitude=states[:, 3:7],
         speed=np.linalg.norm(states[:, 7:10], axis=1),
         error=np.linalg.norm(states[:, :3] - course.reference.position_at(times), axis=1),
+        rates=states[:, 10:13],
+        rotor_thrusts=log.rotor_thrusts[rows],
+        commands=log.commands[rows],
         end=end,
         end_time=end_time,
         end_position=flights.end_position[index],
         gates_passed=int(flights.gates_passed[index]),
+        lap_time=float(flights.lap_time[index]),
         seen_times=flights.closest_time[index] if clocked is None else np.where(np.isnan(clocked), np.nan, flights.gate_times),
         gate_distance=score(flights, course.race.judge).gate_distance[index],
     )
@@ -142,6 +164,8 @@ def trace(course: Course, flights: Flights, index: int, label: str) -> Trace:
 
 def repeat(flights: Flights, rows: slice, label: str) -> Repeats:
     """Flights of a batch that were flown with the same parameters."""
-    failed = flights.gates_passed[rows] < len(flights.gate_positions)
-    ends = flights.end_position[rows][failed]
-    return Repeats(label, len(failed), int((~failed).sum()), ends[np.isfinite(ends).all(axis=1)])
+    passed, ends = flights.gates_passed[rows], flights.end_position[rows]
+    failed = passed < len(flights.gate_positions)
+    known = failed & np.isfinite(ends).all(axis=1)
+    crashed = flights.end[rows][known] == int(End.CRASHED)
+    return Repeats(label, len(failed), int((~failed).sum()), ends[known], passed[known], crashed)

@@ -1,0 +1,139 @@
+/** Convergence: every flight of the search a mark, the best so far a line. */
+import uPlot from "uplot";
+import type { App } from "../app";
+import { type Palette, palette } from "../colours";
+import type { Flights } from "../data";
+import type { Table } from "../table";
+import { card, h } from "../dom";
+import { digits, percent } from "../format";
+import { type Drawing, Frame } from "./frame";
+import { mark, type Shape } from "./marks";
+
+const SEARCH = 0;
+const VALIDATION = 2;
+
+interface Kind {
+  readonly shape: Shape;
+  readonly colour: string;
+  readonly name: string;
+  readonly of: (flights: Flights, row: number) => boolean;
+}
+
+/** The card with completion and cost over flights. */
+export function convergence(app: App): { readonly element: HTMLElement; readonly build: () => void } {
+  const key = h("p", { class: "key" });
+  const said = h("p", { class: "said" }, "Point at a flight to read it.");
+  const name = h("span", {}, "cost");
+  const [completion, cost] = ["completion", "cost"].map((what) => h("div", { class: "plot", role: "img", "aria-label": `${what} of every flight in the order flown` }));
+  const frames = [
+    new Frame(app, completion, 150, (colours) => draw(app, colours, (flights) => flights.completion, true), listen(app, said)),
+    new Frame(app, cost, 190, (colours) => draw(app, colours, (flights) => flights.cost, false), listen(app, said)),
+  ];
+  const build = (): void => {
+    const flights = app.parts.flights.value;
+    name.textContent = flights ? flights.cost_name : "cost";
+    key.replaceChildren(...(flights && shownRows(flights).length ? keys(app, flights) : ["No flights yet."]));
+    for (const frame of frames) frame.build();
+  };
+  app.parts.flights.after(build);
+  app.theme.after(build);
+  const upper = h("figure", { class: "chart" }, h("figcaption", {}, "completion [%]"), completion);
+  const lower = h("figure", { class: "chart" }, h("figcaption", {}, name), cost);
+  const note = "Every flight in the order flown; the line is the best search flight so far.";
+  return { element: card("convergence", "How it was found", note, key, upper, lower, said), build };
+}
+
+function draw(app: App, colours: Palette, of: (flights: Flights) => Table, share: boolean): Drawing | null {
+  const flights = app.parts.flights.value;
+  const rows = flights ? shownRows(flights) : [];
+  if (!flights || !rows.length) return null;
+  const values = rows.map((i) => of(flights).values[i] * (share ? 100 : 1));
+  const known = values.filter(Number.isFinite);
+  const low = Math.min(...known);
+  const high = Math.max(...known);
+  const logarithmic = !share && low > 0 && high > 3 * low;
+  const last = flights.number.values[rows[rows.length - 1]];
+  const margin = Math.max(0.06 * (high - low), 0.02 * Math.abs(high), 1e-6);
+  const edges: [number, number] = share ? [-6, 108] : logarithmic ? [low / 1.3, high * 1.3] : [low - margin, high + margin];
+  return {
+    data: [rows.map((i) => flights.number.values[i]), bestSoFar(flights, rows, values, share)],
+    series: [{ stroke: colours.ink, width: 1, paths: uPlot.paths.stepped?.({ align: 1 }), points: { show: false } }],
+    x: { range: [0.5 - 0.02 * last, last + 0.5 + 0.01 * last] },
+    y: { range: edges, distr: logarithmic ? 3 : 1 },
+    xValues: (value) => (Number.isInteger(value) ? `${value}` : ""),
+    yValues: (value) => (share && value > 100 ? "" : digits(value)),
+    ...(logarithmic ? { ySplits: decades(...edges) } : {}),
+    above: (plot, pen) => {
+      const size = (rows.length <= 80 ? 4 : rows.length <= 300 ? 3 : 2) * uPlot.pxRatio;
+      rows.forEach((row, i) => {
+        if (!Number.isFinite(values[i])) return;
+        const kind = kinds(colours).find((one) => one.of(flights, row));
+        const [x, y] = [plot.valToPos(flights.number.values[row], "x", true), plot.valToPos(values[i], "y", true)];
+        if (kind) mark(pen, kind.shape, x, y, size, kind.colour, colours.face);
+      });
+    },
+  };
+}
+
+function kinds(colours: Palette): readonly Kind[] {
+  const search = (flights: Flights, row: number): boolean => flights.stream[row] === SEARCH;
+  return [
+    { shape: "disc", colour: colours.accent, name: "accepted", of: (flights, row) => search(flights, row) && Boolean(flights.accepted[row]) },
+    { shape: "ring", colour: colours.accent, name: "rejected", of: (flights, row) => search(flights, row) },
+    { shape: "diamond", colour: colours.again, name: "re-flight", of: (flights, row) => Boolean(flights.succeeded[row]) },
+    { shape: "cross", colour: colours.failure, name: "failed re-flight", of: () => true },
+  ];
+}
+
+function keys(app: App, flights: Flights): HTMLElement[] {
+  const signs: Readonly<Record<Shape, string>> = { disc: "●", ring: "○", diamond: "◆", cross: "×" };
+  const all = kinds(palette(app.theme.value));
+  const occurring = new Map<string, number>();
+  for (const row of shownRows(flights)) {
+    const kind = all.find((one) => one.of(flights, row));
+    if (kind) occurring.set(kind.name, (occurring.get(kind.name) ?? 0) + 1);
+  }
+  return all
+    .filter((kind) => occurring.has(kind.name))
+    .map((kind) => h("span", {}, h("b", { class: `sign ${kind.shape}`, "aria-hidden": "true" }, signs[kind.shape]), `${occurring.get(kind.name)} ${kind.name}`));
+}
+
+/** Says which flight is pointed at. */
+function listen(app: App, said: HTMLElement): (plot: uPlot) => void {
+  return (plot) => {
+    plot.over.onpointermove = (event) => {
+      const flights = app.parts.flights.value;
+      if (!flights) return;
+      const number = plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x");
+      const rows = shownRows(flights);
+      const row = rows.reduce((best, i) => (Math.abs(flights.number.values[i] - number) < Math.abs(flights.number.values[best] - number) ? i : best), rows[0]);
+      said.textContent = describe(flights, row, app.parts.course.value.segment_names);
+    };
+  };
+}
+
+function describe(flights: Flights, row: number, segments: readonly string[]): string {
+  const kind = flights.stream[row] === SEARCH ? (flights.accepted[row] ? "accepted" : "rejected") : "re-flight";
+  const failed = segments[flights.failed_segment[row]];
+  const parts = [kind, `${percent(flights.completion.values[row])} of the gates`, `${flights.cost_name.replace(/ \[.*/, "")} ${digits(flights.cost.values[row])}`];
+  if (failed !== undefined) parts.push(`failed in segment ${failed}`);
+  return `Flight ${flights.number.values[row]}: ${parts.join(", ")}`;
+}
+
+/** 1, 2 and 5 times powers of ten within a range. */
+function decades(low: number, high: number): number[] {
+  const powers = Array.from({ length: 13 }, (_, i) => 10 ** (i - 6));
+  return powers.flatMap((power) => [power, 2 * power, 5 * power]).filter((value) => value >= low && value <= high);
+}
+
+function bestSoFar(flights: Flights, rows: readonly number[], values: readonly number[], most: boolean): (number | null)[] {
+  let best = most ? -Infinity : Infinity;
+  return rows.map((row, i) => {
+    if (flights.stream[row] === SEARCH && Number.isFinite(values[i])) best = most ? Math.max(best, values[i]) : Math.min(best, values[i]);
+    return Number.isFinite(best) ? best : null;
+  });
+}
+
+function shownRows(flights: Flights): number[] {
+  return Array.from(flights.number.values.keys()).filter((i) => flights.stream[i] !== VALIDATION);
+}

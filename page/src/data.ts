@@ -1,0 +1,186 @@
+/** Data: a study as it is written into the page, and as the page reads it. SI units; world frame x forward, y left, z up. */
+
+import type { Table } from "./table";
+
+export interface Interval {
+  readonly flights: number;
+  readonly successes: number;
+  readonly rate: number;
+  readonly low: number;
+  readonly high: number;
+}
+
+export interface Headline {
+  readonly race: string;
+  readonly vehicle: string;
+  readonly model: string;
+  readonly latency_unknown: number | null;
+  readonly tuner: string;
+  readonly goal: string;
+  readonly seed: number;
+  readonly first_guess: string;
+  readonly state: "finished" | "running";
+  readonly flights: number;
+  readonly search_flights: number;
+  readonly budget: number;
+  readonly lap_time: number | null;
+  readonly planned_lap_time: number | null;
+  readonly completion: number | null;
+  readonly confirmed: boolean;
+  readonly confirm: number;
+  readonly validation: Interval | null;
+  readonly wall_time: number | null;
+  readonly remark: string;
+}
+
+export interface Piece {
+  readonly class: string;
+  readonly start: number;
+  readonly end: number;
+  readonly segment: number;
+}
+
+export interface Reference {
+  readonly time: Table;
+  readonly position: Table;
+  readonly attitude: Table;
+  readonly speed: Table;
+  readonly thrust: Table;
+  readonly rates: Table;
+}
+
+export interface Course {
+  readonly duration: number;
+  readonly lap_time: number;
+  readonly gate_distance: number;
+  readonly rule: "clock" | "approach";
+  readonly floor: number | null;
+  readonly gates: Table;
+  readonly gate_times: Table;
+  readonly gate_segments: readonly number[];
+  readonly pieces: readonly Piece[];
+  readonly segment_names: readonly string[];
+  readonly reference: Reference;
+  readonly limits: { readonly thrust: readonly number[]; readonly rates: readonly number[]; readonly rotor_thrust: readonly number[] };
+  readonly arm: number;
+  readonly layout?: "x" | "plus";
+}
+
+export interface EffortNumbers {
+  readonly thrust_activity: number | null;
+  readonly rate_activity: number | null;
+  readonly saturated: number | null;
+  readonly oscillation: { readonly frequency: number | null; readonly share: number | null } | null;
+}
+
+export interface Effort extends EffortNumbers {
+  readonly reference: EffortNumbers | null;
+}
+
+export interface Trace {
+  readonly id: string;
+  readonly label: string;
+  readonly ending: string;
+  readonly failed: boolean;
+  readonly seed: number;
+  readonly lap_time: number | null;
+  readonly end_time: number | null;
+  readonly end_position: readonly (number | null)[];
+  readonly time: Table;
+  readonly position: Table;
+  readonly attitude: Table;
+  readonly speed: Table;
+  readonly error: Table;
+  readonly rates: Table;
+  readonly rotor_thrusts: Table;
+  readonly command_thrust: Table;
+  readonly command_rates: Table;
+  readonly gate_distance: Table;
+  readonly seen_times: Table;
+  readonly effort: Effort | null;
+}
+
+export interface Repeat {
+  readonly id: string;
+  readonly label: string;
+  readonly flights: number;
+  readonly complete: number;
+  readonly low: number;
+  readonly high: number;
+  readonly failures: Table;
+  readonly failed_gates: readonly number[];
+  readonly ends: readonly string[];
+}
+
+export interface Flights {
+  readonly number: Table;
+  readonly cost: Table;
+  readonly completion: Table;
+  readonly mean_error: Table;
+  readonly lap_time: Table;
+  readonly stream: ArrayLike<number>;
+  readonly accepted: ArrayLike<number>;
+  readonly succeeded: ArrayLike<number>;
+  readonly failed_segment: ArrayLike<number>;
+  readonly cost_name: string;
+}
+
+export interface ParameterSet {
+  readonly names: readonly string[];
+  readonly symbols: readonly string[];
+  readonly units: readonly string[];
+  readonly low: Table;
+  readonly high: Table;
+  readonly default: Table;
+  readonly first: Table;
+  readonly best: Table;
+}
+
+export interface Samples {
+  readonly parameters: Table;
+  readonly accepted: ArrayLike<number>;
+  readonly completion: Table;
+  readonly succeeded: ArrayLike<number>;
+  readonly of: number;
+}
+
+export interface Sensitivity {
+  readonly factors: readonly number[];
+  readonly flights: number;
+  readonly completion: Table;
+  readonly complete: Table;
+  readonly by_segment: Table;
+}
+
+export interface Hold extends Interval {
+  readonly change: string;
+}
+
+export interface Configuration {
+  readonly command: string;
+  readonly fingerprint: string;
+  readonly versions: Readonly<Record<string, string>>;
+  readonly opened: readonly string[];
+  readonly race_toml: string;
+  readonly settings: Readonly<Record<string, unknown>>;
+  readonly world: string;
+  readonly files: Readonly<Record<string, string>>;
+}
+
+export interface Study {
+  readonly format: number;
+  readonly kind: string;
+  readonly live: boolean;
+  readonly headline: Headline;
+  readonly course: Course;
+  readonly traces: readonly Trace[];
+  readonly repeats: readonly Repeat[];
+  readonly flights: Flights | null;
+  readonly parameters: ParameterSet | null;
+  readonly samples: Samples | null;
+  readonly sensitivity: Sensitivity | null;
+  readonly hold: readonly Hold[];
+  readonly configuration: Configuration | null;
+}
+
+export type Part = keyof Study;

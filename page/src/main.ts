@@ -1,0 +1,65 @@
+/** The study page: reads the study that stands in the page, and builds everything around one clock. */
+import "uplot/dist/uPlot.min.css";
+import "./theme.css";
+import "./layout.css";
+import { App, type Theme } from "./app";
+import { convergence } from "./charts/convergence";
+import { learnt } from "./charts/learnt";
+import { sensitivity } from "./charts/sensitivity";
+import { telemetry } from "./charts/telemetry";
+import { decode } from "./decode";
+import { h } from "./dom";
+import { listenToKeys } from "./keys";
+import { follow } from "./live";
+import { configuration } from "./panels/configuration";
+import { effort } from "./panels/effort";
+import { endings } from "./panels/endings";
+import { headline } from "./panels/headline";
+import { hold } from "./panels/hold";
+import { parameters } from "./panels/parameters";
+import { stage } from "./panels/stage";
+import { preparePrint } from "./print";
+
+function start(): void {
+  const text = document.getElementById("study-data")?.textContent?.trim();
+  const place = document.getElementById("app");
+  if (!text || !place) return;
+  const plain = JSON.parse(text) as Record<string, unknown>;
+  const app = new App(decode(plain), plain, preferred());
+  chooseTheme(app);
+  const still = document.getElementById("static");
+  const map = still?.querySelector("svg") ?? null;
+  const scene = stage(app, (map?.cloneNode(true) as SVGElement | undefined) ?? null);
+  const drawn = [convergence(app), telemetry(app), sensitivity(app), learnt(app)] as const;
+  const [found, time, matter, pairs] = drawn.map((part) => part.element);
+  const first = h("div", { class: "opening" }, scene.element, h("div", { class: "beside" }, parameters(app), hold(app)));
+  const columns = [h("div", { class: "column" }, found, matter), h("div", { class: "column" }, endings(app), effort(app), pairs)];
+  const rest = h("div", { class: "rest" }, time, ...columns, configuration(app));
+  place.append(headline(app), h("main", {}, first, rest));
+  still?.setAttribute("hidden", "");
+  for (const part of drawn) part.build();
+  const shown = scene.start();
+  preparePrint(app, shown);
+  listenToKeys(app);
+  if (app.parts.live.value) follow(app);
+  begin(app);
+  if (shown) Object.assign(window, { hotlap: { place: () => shown.place, frames: () => shown.view.frames } });
+}
+
+/** Plays once; someone who wants no motion gets the end of the lap, with the whole trail. */
+function begin(app: App): void {
+  if (matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.seek(app.parts.course.value.lap_time);
+  else if (app.parts.traces.value.length) app.clock.play();
+}
+
+function preferred(): Theme {
+  return matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+}
+
+/** The system's colours, until the reader chooses others. */
+function chooseTheme(app: App): void {
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => (app.theme.value = preferred()));
+  app.theme.watch((theme) => (document.documentElement.dataset.theme = theme));
+}
+
+start();

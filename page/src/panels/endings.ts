@@ -1,0 +1,41 @@
+/** Endings: where flights of each kind ended, and how. */
+import type { App } from "../app";
+import type { Repeat } from "../data";
+import { card, h, renew } from "../dom";
+import { interval, percent } from "../format";
+import { rateBar } from "./hold";
+
+const MOST = 3;
+
+export function endings(app: App): HTMLElement {
+  const body = h("div", {});
+  app.parts.repeats.watch((repeats) => {
+    const lines = repeats.map((repeat) =>
+      h(
+        "tr",
+        {},
+        h("th", { scope: "row" }, h("i", { class: `dash ${repeat.id}`, "aria-hidden": "true" }), repeat.label),
+        h("td", { class: "number" }, h("b", {}, `${repeat.complete} of ${repeat.flights}`), h("span", { class: "quiet" }, ` ${interval(repeat)}`)),
+        h("td", {}, rateBar({ ...repeat, rate: repeat.complete / repeat.flights })),
+        h("td", {}, describe(repeat)),
+      ),
+    );
+    renew(body, repeats.length ? h("div", { class: "wide" }, h("table", { class: "endings" }, h("tbody", {}, ...lines))) : "Not flown yet.");
+  });
+  return card("endings", "Where flights ended", "Flown again with fresh noise, the same for each; red crosses in the scene. Flights that passed all gates, and their 95 % interval.", body);
+}
+
+/** "18 missed gate 13, 14 crashed before gate 4". */
+function describe(repeat: Repeat): HTMLElement {
+  const counts = new Map<string, number>();
+  repeat.failed_gates.forEach((gate, i) => {
+    const text = repeat.ends[i] === "crashed" ? `crashed before gate ${gate + 1}` : `missed gate ${gate + 1}`;
+    counts.set(text, (counts.get(text) ?? 0) + 1);
+  });
+  const sorted = [...counts].sort((a, b) => b[1] - a[1]);
+  const texts = sorted.slice(0, MOST).map(([text, number]) => `${number} ${text}`);
+  const rest = sorted.slice(MOST).reduce((sum, [, number]) => sum + number, 0);
+  if (rest) texts.push(`${rest} elsewhere`);
+  if (!texts.length) return h("span", { class: "quiet" }, repeat.complete === repeat.flights ? "none failed" : `${percent(1 - repeat.complete / repeat.flights)} failed`);
+  return h("span", {}, h("b", { class: "sign cross", "aria-hidden": "true" }, "×"), texts.join(", "));
+}

@@ -1,0 +1,39 @@
+/** Will it hold? Rates of success, with their intervals, where the truth is a little different. */
+import type { App } from "../app";
+import type { Hold, Interval } from "../data";
+import { card, h, renew, s } from "../dom";
+import { interval, percent } from "../format";
+
+const WIDTH = 120;
+
+export function hold(app: App): HTMLElement {
+  const body = h("div", {});
+  app.parts.hold.watch((rows) => renew(body, rows.length ? table(rows) : "Not flown."));
+  return card("hold", "Will it hold?", "The tuned parameters where the truth is different; whiskers: 95 % interval.", body);
+}
+
+function table(rows: readonly Hold[]): HTMLElement {
+  const lines = rows.map((row) =>
+    h(
+      "tr",
+      {},
+      h("th", { scope: "row" }, row.change),
+      h("td", { class: "number" }, h("b", { class: row.rate < 0.5 ? "bad" : "" }, percent(row.rate)), h("span", { class: "quiet" }, ` ${row.successes} of ${row.flights}`)),
+      h("td", {}, rateBar(row)),
+    ),
+  );
+  return h("table", { class: "hold" }, h("tbody", {}, ...lines));
+}
+
+/** A rate as a dot on a line from 0 to 1, with its interval. */
+export function rateBar(rate: Pick<Interval, "low" | "high"> & { readonly rate: number }): SVGElement {
+  const x = (share: number): number => 5 + share * (WIDTH - 10);
+  return s(
+    "svg",
+    { viewBox: `0 0 ${WIDTH} 16`, class: "rate", role: "img", "aria-label": `${percent(rate.rate)}, 95 % interval ${interval(rate)}` },
+    s("title", {}, `95 % interval ${interval(rate)}`),
+    s("line", { class: "grid", x1: x(0), x2: x(1), y1: 8, y2: 8 }),
+    s("line", { class: "whisker", x1: x(rate.low), x2: x(rate.high), y1: 8, y2: 8 }),
+    s("circle", { class: rate.rate < 0.5 ? "failed" : "best", cx: x(rate.rate), cy: 8, r: 4 }),
+  );
+}

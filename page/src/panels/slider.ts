@@ -1,0 +1,41 @@
+/** Slider: the time of the lap, with gates as ticks and segments as bands. */
+import type { App } from "../app";
+import { h, renew, s } from "../dom";
+
+const STEP = 0.01; // s
+
+export function slider(app: App): HTMLElement {
+  const bands = h("div", { class: "bands", "aria-hidden": "true" });
+  const input = h("input", { type: "range", id: "time", min: 0, step: STEP, "aria-label": "time in the lap" });
+  const clock = app.clock;
+  input.addEventListener("input", () => {
+    clock.pause();
+    clock.seek(Number(input.value));
+  });
+  clock.time.watch((time) => {
+    input.value = String(time);
+    input.setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);
+  });
+  app.parts.course.watch((course) => {
+    input.max = String(course.duration);
+    input.value = String(clock.time.value);
+    const share = (time: number): string => `${(100 * time) / course.duration}%`;
+    const ticks = s("svg", { class: "ticks" }, ...Array.from(course.gate_times.values, (time) => s("line", { x1: share(time), x2: share(time), y1: 0, y2: "100%" })));
+    renew(bands, ...course.pieces.map((piece) => band(app, piece.segment, share(piece.start), share(piece.end - piece.start), course.segment_names[piece.segment])), ticks);
+    light(bands, app.lit.value);
+  });
+  app.lit.after((segment) => light(bands, segment));
+  return h("div", { class: "slider" }, bands, input);
+}
+
+function band(app: App, segment: number, left: string, width: string, name: string): HTMLElement {
+  const element = h("div", { class: "band", "data-segment": segment, style: `left:${left};width:${width}`, title: `segment ${name}` }, h("span", {}, name));
+  element.addEventListener("pointerenter", () => (app.pointed.value = segment));
+  element.addEventListener("pointerleave", () => (app.pointed.value = null));
+  element.addEventListener("click", () => app.choose(segment));
+  return element;
+}
+
+function light(bands: HTMLElement, lit: number | null): void {
+  for (const band of bands.querySelectorAll<HTMLElement>(".band")) band.classList.toggle("lit", Number(band.dataset.segment) === lit);
+}

@@ -1,0 +1,95 @@
+/** Stage: the scene with its controls. */
+import type { App, Camera } from "../app";
+import { RATES } from "../clock";
+import { gradient } from "../colours";
+import { h, renew } from "../dom";
+import { seconds } from "../format";
+import { TrackScene } from "../scene/scene";
+import { slider } from "./slider";
+
+const CAMERAS: readonly Camera[] = ["follow", "orbit", "top"];
+
+const HINT = "space plays; ← → move the clock; , . go from gate to gate; 1 2 3 choose the camera";
+
+export interface Stage {
+  readonly element: HTMLElement;
+  /** To be called when the page stands. */
+  readonly start: () => TrackScene | null;
+}
+
+export function stage(app: App, map: SVGElement | null): Stage {
+  const canvas = h("canvas", { id: "scene", tabindex: 0, role: "img", "aria-label": "the track in space with the flights; drag to turn, keys 1, 2, 3 for the camera" });
+  const ground = h("span", { class: "quiet" });
+  const place = h("div", { class: "scene" }, canvas);
+  const framed = h("div", { class: "framed" }, h("div", { class: "scene-top" }, chips(app), cameras(app)), place, h("div", { class: "scene-foot" }, ground, scale(app)));
+  const element = h("section", { class: "stage", "aria-label": "The flight" }, framed, controls(app), h("p", { class: "hint quiet" }, HINT));
+  const start = (): TrackScene | null => {
+    try {
+      const scene = new TrackScene(app, canvas);
+      new ResizeObserver(() => scene.resize(place.clientWidth, place.clientHeight)).observe(place);
+      scene.resize(place.clientWidth, place.clientHeight);
+      ground.textContent = `grid ${scene.cell} m; drones larger than life`;
+      return scene;
+    } catch (error) {
+      canvas.replaceWith(h("div", { class: "map" }, map, h("p", {}, `No 3-D scene: ${error instanceof Error ? error.message : "WebGL is missing"}. This is the track from above.`)));
+      return null;
+    }
+  };
+  return { element, start };
+}
+
+/** Which flights are shown, and how each ended. */
+function chips(app: App): HTMLElement {
+  const element = h("div", { class: "chips", role: "group", "aria-label": "Flights shown" });
+  const build = (): void =>
+    renew(
+      element,
+      ...app.parts.traces.value.map((trace) =>
+        h(
+          "button",
+          { type: "button", id: `chip-${trace.id}`, class: `chip ${trace.id}`, "aria-pressed": String(app.shown.value.has(trace.id)), onclick: () => app.toggle(trace.id) },
+          h("i", { class: `dash ${trace.id}`, "aria-hidden": "true" }),
+          h("b", {}, trace.label),
+          h("span", { class: trace.failed ? "bad" : "quiet" }, trace.failed ? `× ${trace.ending}` : trace.ending),
+        ),
+      ),
+    );
+  app.parts.traces.after(build);
+  app.shown.after(build);
+  build();
+  return element;
+}
+
+function cameras(app: App): HTMLElement {
+  const buttons = CAMERAS.map((camera, i) =>
+    h("button", { type: "button", "data-camera": camera, title: `key ${i + 1}`, onclick: () => (app.camera.value = camera) }, camera),
+  );
+  app.camera.watch((camera) => buttons.forEach((button) => button.setAttribute("aria-pressed", String(button.dataset.camera === camera))));
+  return h("div", { class: "switch", role: "group", "aria-label": "Camera" }, ...buttons);
+}
+
+function scale(app: App): HTMLElement {
+  const bar = h("div", { class: "bar" });
+  const most = h("span", {});
+  app.theme.watch((theme) => (bar.style.background = gradient(theme)));
+  app.parts.course.watch((course) => (most.textContent = `${course.reference.speed.values.reduce((a, b) => Math.max(a, b), 0).toFixed(0)} m/s`));
+  return h("div", { class: "scale", "aria-label": "colour of the trail: speed" }, h("span", {}, "0"), bar, most);
+}
+
+function controls(app: App): HTMLElement {
+  const { clock } = app;
+  const play = h("button", { type: "button", class: "play", id: "play", title: "space", onclick: () => clock.toggle() });
+  clock.playing.watch((playing) => {
+    play.textContent = playing ? "❚❚" : "▶";
+    play.setAttribute("aria-label", playing ? "pause" : "play");
+  });
+  const names: Readonly<Record<number, string>> = { 0.25: "¼×", 0.5: "½×" };
+  const rate = h("select", { id: "rate", "aria-label": "speed of the clock" }, ...RATES.map((value) => h("option", { value, selected: value === 1 }, names[value] ?? `${value}×`)));
+  rate.addEventListener("change", () => (clock.rate.value = Number(rate.value)));
+  clock.rate.watch((value) => (rate.value = String(value)));
+  const now = h("output", { class: "now", id: "now", for: "time" });
+  const show = (): void => void (now.textContent = `${clock.time.value.toFixed(2)} of ${seconds(app.parts.course.value.duration)}`);
+  clock.time.watch(show);
+  app.parts.course.after(show);
+  return h("div", { class: "controls" }, play, rate, slider(app), now);
+}

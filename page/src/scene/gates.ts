@@ -1,0 +1,101 @@
+/** Gates: rings of the judged distance, across the way of the reference, with their numbers. */
+import { Group, type PerspectiveCamera, type Sprite, Vector3 } from "three";
+import type { Palette } from "../colours";
+import type { Course } from "../data";
+import { row } from "../table";
+import { between, find } from "../flight";
+import { runs } from "../format";
+import { type Ribbon, ribbon, ribbons } from "./lines";
+import { label } from "./sprites";
+
+const NEAR = 0.5; // m, of gates that count as one place
+const CORNERS = 40;
+const ROOM = 0.042; // of the height of the view, that a number takes
+
+export class Gates {
+  readonly group = new Group();
+  private readonly marked: Ribbon[] = [];
+  private readonly numbers: { readonly sprite: Sprite; readonly gates: readonly number[] }[] = [];
+
+  constructor(
+    private readonly course: Course,
+    palette: Palette,
+  ) {
+    const circles = Array.from({ length: course.gates.shape[0] }, (_, gate) => circle(course, gate));
+    this.group.add(ribbons(circles, 1.5, palette.quiet));
+    this.marked = circles.map((points) => ribbon(points, 3.5, palette.ink));
+    this.group.add(...this.marked);
+    for (const members of group(course)) this.number(members, palette);
+  }
+
+  /** Marks the next gate at a time, and those of a segment. */
+  update(time: number, segment: number | null): void {
+    const next = this.course.gate_times.values.findIndex((gate) => gate >= time);
+    this.marked.forEach((ring, gate) => {
+      const mine = segment !== null && this.course.gate_segments[gate] === segment;
+      ring.visible = mine || gate === next;
+    });
+  }
+
+  /** Hides numbers that would cover others: the next gates come first, then those that are near. */
+  declutter(camera: PerspectiveCamera, time: number): void {
+    const next = this.course.gate_times.values.findIndex((gate) => gate >= time);
+    const seen = this.numbers.map(({ sprite, gates }) => {
+      const soon = gates.some((gate) => gate === next) ? 0 : gates.some((gate) => gate === next + 1) ? 1 : 2;
+      return { sprite, soon, far: camera.position.distanceTo(sprite.position), at: sprite.position.clone().project(camera) };
+    });
+    seen.sort((a, b) => a.soon - b.soon || a.far - b.far);
+    const taken: { readonly x: number; readonly y: number; readonly half: number }[] = [];
+    for (const { sprite, at } of seen) {
+      const box = { x: (at.x / 2) * camera.aspect, y: at.y / 2, half: (sprite.scale.x * ROOM) / sprite.scale.y / 2 };
+      sprite.visible = at.z < 1 && taken.every(({ x, y, half }) => Math.abs(x - box.x) > half + box.half || Math.abs(y - box.y) > ROOM);
+      if (sprite.visible) taken.push(box);
+    }
+  }
+
+  private number(members: readonly number[], palette: Palette): void {
+    const sprite = label(runs(members, 3), palette.ink, palette.face);
+    sprite.position.fromArray(row(this.course.gates, members[0]));
+    sprite.position.z += this.course.gate_distance * 1.05;
+    sprite.center.set(0.5, -0.05);
+    this.group.add(sprite);
+    this.numbers.push({ sprite, gates: members });
+  }
+}
+
+/** Points around a gate, across the way of the reference. */
+function circle(course: Course, gate: number): Float32Array {
+  const way = heading(course, gate);
+  const middle = new Vector3().fromArray(row(course.gates, gate));
+  const across = new Vector3(0, 0, 1).cross(way);
+  if (across.lengthSq() < 1e-6) across.set(1, 0, 0);
+  across.normalize();
+  const up = way.clone().cross(across);
+  const points = Array.from({ length: CORNERS + 1 }, (_, i) => {
+    const angle = (2 * Math.PI * i) / CORNERS;
+    const [x, y] = [course.gate_distance * Math.cos(angle), course.gate_distance * Math.sin(angle)];
+    return middle.clone().addScaledVector(across, x).addScaledVector(up, y).toArray();
+  });
+  return Float32Array.from(points.flat());
+}
+
+/** Unit vector along the reference at a gate. */
+function heading(course: Course, gate: number): Vector3 {
+  const { time, position } = course.reference;
+  const at = find(time.values, course.gate_times.values[gate]);
+  const [before, after] = [Math.max(0, at - 3), Math.min(time.values.length - 1, at + 3)];
+  const part = (k: number): number => between(position, after, k) - between(position, before, k);
+  const way = new Vector3(part(0), part(1), part(2));
+  return way.lengthSq() > 0 ? way.normalize() : new Vector3(1, 0, 0);
+}
+
+function group(course: Course): number[][] {
+  const places: number[][] = [];
+  for (let gate = 0; gate < course.gates.shape[0]; gate++) {
+    const here = new Vector3().fromArray(row(course.gates, gate));
+    const place = places.find((members) => here.distanceTo(new Vector3().fromArray(row(course.gates, members[0]))) < NEAR);
+    if (place) place.push(gate);
+    else places.push([gate]);
+  }
+  return places;
+}

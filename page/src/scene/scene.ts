@@ -1,0 +1,128 @@
+/** Scene: the track in space, and the flights along it at the time of the clock. */
+import { Group, type Material, type Mesh, Vector3 } from "three";
+import type { App } from "../app";
+import { flightColour, palette } from "../colours";
+import type { Course } from "../data";
+import { row } from "../table";
+import { Backdrop, type Extent } from "./backdrop";
+import { Cameras } from "./cameras";
+import { Drone } from "./drone";
+import { Gates } from "./gates";
+import { crosses } from "./sprites";
+import { Trail } from "./trail";
+import { View } from "./view";
+
+const DRONE = 14; // pixels of an arm
+const FOLLOWED = 30;
+
+export class TrackScene {
+  readonly view: View;
+  private readonly cameras: Cameras;
+  private content = new Group();
+  private backdrop!: Backdrop;
+  private gates!: Gates;
+  private drones: Drone[] = [];
+  private trails: { readonly id: string; readonly trail: Trail }[] = [];
+
+  /** @throws Error where there is no WebGL. */
+  constructor(
+    private readonly app: App,
+    canvas: HTMLCanvasElement,
+  ) {
+    this.view = new View(canvas, () => this.prepare());
+    const course = app.parts.course.value;
+    this.cameras = new Cameras(course, extent(course), canvas, () => this.view.invalidate());
+    this.build();
+    const { course: courses, traces, repeats } = app.parts;
+    for (const signal of [courses, traces, repeats, app.shown, app.theme]) signal.after(() => this.build());
+    for (const signal of [app.clock.time, app.lit]) signal.after(() => this.view.invalidate());
+    app.camera.watch((kind) => {
+      this.cameras.show(kind);
+      this.view.invalidate();
+    });
+  }
+
+  /** [m] side of a cell of the grid. */
+  get cell(): number {
+    return this.backdrop.cell;
+  }
+
+  /** Where the drone of the first shown flight is. */
+  get place(): readonly number[] {
+    return this.drones[0]?.group.position.toArray() ?? [];
+  }
+
+  resize(width: number, height: number): void {
+    this.view.resize();
+    this.cameras.reshape(width / height);
+  }
+
+  private build(): void {
+    const { app } = this;
+    const course = app.parts.course.value;
+    const colours = palette(app.theme.value);
+    this.view.scene.remove(this.content);
+    dispose(this.content);
+    this.content = new Group();
+    this.backdrop = new Backdrop(course, extent(course), colours);
+    this.gates = new Gates(course, colours);
+    this.content.add(this.backdrop.group, this.gates.group);
+    this.addFlights(course);
+    this.view.scene.add(this.content);
+    this.view.paint(colours.face);
+  }
+
+  private addFlights(course: Course): void {
+    const { app } = this;
+    const theme = app.theme.value;
+    const shown = app.parts.traces.value.filter((trace) => app.shown.value.has(trace.id) && trace.time.values.length > 1);
+    const top = course.reference.speed.values.reduce((most, speed) => Math.max(most, speed), 1);
+    this.trails = shown.map((trace) => ({ id: trace.id, trail: new Trail(trace, theme, top) }));
+    this.drones = shown.map((trace, i) => new Drone(course, trace, flightColour(theme, trace.id), palette(theme), i > 0));
+    for (const { trail } of this.trails) this.content.add(trail.group);
+    for (const drone of this.drones) this.content.add(drone.group);
+    for (const repeat of app.parts.repeats.value) {
+      if (app.shown.value.has(repeat.id)) this.content.add(crosses(repeat.failures.values, palette(theme).failure, palette(theme).face));
+    }
+  }
+
+  /** Everything at the clock's time, just before it is drawn. */
+  private prepare(): Cameras["camera"] {
+    const time = this.app.clock.time.value;
+    for (const { trail } of this.trails) trail.update(time);
+    for (const drone of this.drones) drone.update(time);
+    this.gates.update(time, this.app.lit.value);
+    this.backdrop.light(this.app.lit.value);
+    this.cameras.update(time, this.drones[0]?.group.position ?? null);
+    this.gates.declutter(this.cameras.camera, time);
+    const least = this.app.parts.course.value.arm;
+    for (const drone of this.drones) {
+      const pixels = this.app.camera.value === "follow" ? FOLLOWED : DRONE;
+      drone.resize(Math.max(least, this.cameras.metres(drone.group.position, pixels, this.view.height)));
+    }
+    return this.cameras.camera;
+  }
+}
+
+/** Corners of the box around reference and gates. */
+function extent(course: Course): Extent {
+  const low = new Vector3(Infinity, Infinity, Infinity);
+  const high = new Vector3(-Infinity, -Infinity, -Infinity);
+  for (const table of [course.reference.position, course.gates]) {
+    for (let i = 0; i < table.shape[0]; i++) {
+      const point = new Vector3().fromArray(row(table, i));
+      low.min(point);
+      high.max(point);
+    }
+  }
+  return { low: low.toArray(), high: high.toArray() };
+}
+
+function dispose(group: Group): void {
+  group.traverse((object) => {
+    const { geometry, material } = object as Partial<Mesh<Mesh["geometry"], Material & { map?: { dispose(): void } | null }>>;
+    geometry?.dispose();
+    material?.map?.dispose();
+    material?.dispose();
+  });
+}

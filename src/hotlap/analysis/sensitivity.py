@@ -1,0 +1,81 @@
+"""Sensitivity: what becomes of completion when one tuned parameter is multiplied, everywhere or in one segment alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.course import Course
+from hotlap.parameters import Parameters
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.worlds.world import World
+
+Floats = NDArray[np.float64]
+
+FACTORS = (0.25, 0.5, 0.5**0.5, 1.0, 2**0.5, 2.0, 4.0)
+FLIGHTS = 10  # at each point
+BY_SEGMENT, FEWEST = 400, 2  # flights over all segments together, and at least at each point
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """How much each of K parameters matters around a tuned set; all flights meet the same noise.
+
+    Attributes:
+        factors: shape (N,) by which a parameter is multiplied; what leaves its bounds is moved to them.
+        flights: at each point.
+        completion: shape (K, N) mean completion when a parameter is multiplied in all segments.
+        complete: shape (K, N) share of the flights that passed every gate.
+        by_segment: shape (S, K) loss of mean completion, over a quarter and four times the parameter in that segment alone.
+    """
+
+    factors: Floats
+    flights: int
+    completion: Floats
+    complete: Floats
+    by_segment: Floats
+
+
+def survey_sensitivity(course: Course, world: World, parameters: Parameters, seed: int, flights: int = FLIGHTS) -> Sensitivity:
+    """Fly parameters, shape (S, K), with each of them changed in turn.
+
+    Args:
+        course: what they were tuned on.
+        world: where.
+        parameters: shape (S, K).
+        seed: of the run.
+        flights: at each point of the curves.
+    """
+    factors, (segments, size) = np.array(FACTORS), parameters.shape
+    curves = np.repeat(np.repeat(parameters[None, None], len(factors), axis=1), size, axis=0)  # (K, N, S, K)
+    for k in range(size):
+        curves[k, :, :, k] *= factors[:, None]
+    alone = np.tile(parameters, (segments, size, 2, 1, 1))  # (S, K, 2, S, K)
+    for s, k in np.ndindex(segments, size):
+        alone[s, k, :, s, k] *= factors[[0, -1]]
+    few = min(max(BY_SEGMENT // (2 * segments * size), FEWEST), flights)
+    shares = _fly(course, world, curves.reshape(-1, segments, size), seed, flights).reshape(size, len(factors), flights)
+    parts = _fly(course, world, alone.reshape(-1, segments, size), seed, few).reshape(segments, size, 2 * few)
+    base = shares[0, FACTORS.index(1.0), :few].mean()
+    return Sensitivity(factors, flights, shares.mean(axis=2), (shares >= 1).mean(axis=2), base - parts.mean(axis=2))
+
+
+def _fly(course: Course, world: World, points: Parameters, seed: int, flights: int) -> Floats:
+    """Completion at each point, shape (points, flights); those that are the same are flown once.
+
+    Args:
+        course: what is flown.
+        world: where.
+        points: shape (points, S, K).
+        seed: of the run.
+        flights: at each point.
+    """
+    points = course.space.clip(points)
+    distinct, index = np.unique(points.reshape(len(points), -1), axis=0, return_inverse=True)
+    seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, flights)
+    each = np.repeat(distinct.reshape(-1, *points.shape[1:]), flights, axis=0)
+    flown = world.fly(course, each, np.tile(seeds, len(distinct)))
+    completion = flown.gates_passed / len(flown.gate_positions)
+    return completion.reshape(len(distinct), flights)[index.reshape(-1)]

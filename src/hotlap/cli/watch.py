@@ -1,0 +1,38 @@
+"""`hotlap watch DIR`: the page of a study in the browser, while its flights come in."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from argparse import Namespace
+
+from hotlap import worlds
+from hotlap.cli.flying import make_ready
+from hotlap.cli.inputs import check_range
+from hotlap.cli.output import note, present
+from hotlap.cli.stopping import Stopped
+from hotlap.study import Study
+
+
+def run(options: Namespace) -> int:
+    """Serve until Ctrl-C."""
+    check_range("--port", options.port, 0, 65535)
+    with Study.read(options.study) as study:
+        world = worlds.build(study.configuration.world)
+        make_ready(world, study.configuration.course)
+    from hotlap.report.page.live import LiveStudy  # noqa: PLC0415  it loads the flight core
+    from hotlap.report.page.writing import load_template  # noqa: PLC0415
+    from hotlap.report.server import Server  # noqa: PLC0415
+
+    load_template()  # a page that was not built is said here, not to the browser
+    try:
+        with Server(LiveStudy(options.study, world), options.host, options.port) as server:
+            if options.json:
+                present(as_json=True, document={"study": str(options.study), "address": server.address}, lines=())
+                sys.stdout.flush()
+            note(f"{options.study} is shown at {server.address} until Ctrl-C")
+            server.serve_forever()
+    except Stopped as stop:
+        if stop.signal != signal.SIGINT:
+            raise
+    return 0

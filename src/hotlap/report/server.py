@@ -1,0 +1,155 @@
+"""Server: shows one page to browsers on this machine; it reads, and writes nothing."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+import socket
+import socketserver
+from collections.abc import Iterable
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any, Protocol
+from urllib.parse import parse_qs, urlsplit
+
+from hotlap.errors import HotlapError, InputError
+
+LOCAL = ("localhost", "127.0.0.1", "[::1]")
+PATIENCE = 20.0  # s for a browser to say what it wants
+HTML, JSON, PLAIN = "text/html; charset=utf-8", "application/json; charset=utf-8", "text/plain; charset=utf-8"
+_SCRIPT = re.compile(r"<script(?![^>]*application/json)[^>]*>(.*?)</script>", re.DOTALL)
+_HEADERS = {
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+class Source(Protocol):
+    """What is shown."""
+
+    def page(self) -> str:
+        """The whole page as HTML."""
+        ...
+
+    def news(self, known: int = -1) -> str | None:
+        """What the page reads, as JSON; None where it has all of so many flights already."""
+        ...
+
+
+class Server(ThreadingHTTPServer):
+    """Listens as soon as it is made; `serve_forever` answers.
+
+    Args:
+        source: what is shown.
+        host: name or address to listen on.
+        port: 0 for any that is free.
+
+    Raises:
+        InputError: there is no such host, or it cannot be listened on.
+    """
+
+    daemon_threads = True
+
+    def __init__(self, source: Source, host: str, port: int) -> None:
+        self.source, self._host = source, host
+        self.address_family, place = _find(host, port)
+        try:
+            super().__init__(place, Answer)
+        except (OSError, OverflowError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise InputError("--port", "", f"{port} on {host} cannot be listened on: {reason}") from None
+
+    def server_bind(self) -> None:
+        """Without asking for the name of the host, which may take its time."""
+        socketserver.TCPServer.server_bind(self)
+        self.server_name, self.server_port = self._host, self.server_address[1]
+
+    @property
+    def address(self) -> str:
+        """Where a browser finds it."""
+        return f"http://{_bracketed(self._host)}:{self.server_port}/"
+
+    def knows(self, name: str) -> bool:
+        """Whether a browser that came by some name of a host meant this one, and was not led here by another's name."""
+        return name.lower() in {f"{host}:{self.server_port}" for host in (*LOCAL, _bracketed(self._host).lower())}
+
+
+class Answer(BaseHTTPRequestHandler):
+    """Answers one request: `/` or `/data.json?flights=N`."""
+
+    server: Server  # pyright: ignore[reportIncompatibleVariableOverride]  the only one that makes it
+    server_version, sys_version, timeout = "hotlap", "", PATIENCE
+
+    def do_GET(self) -> None:
+        """The page, or what is new."""
+        self._answer()
+
+    def do_HEAD(self) -> None:
+        """The same without the content."""
+        self._answer()
+
+    def log_message(self, *_: Any, **__: Any) -> None:
+        """Nothing: who watches is nobody's business."""
+
+    def _answer(self) -> None:
+        if not self.server.knows(self.headers.get("Host", "")):
+            self._send(HTTPStatus.FORBIDDEN, PLAIN, "this is not the host that you asked for\n")
+            return
+        asked = urlsplit(self.path)
+        try:
+            if asked.path == "/":
+                self._send(HTTPStatus.OK, HTML, self.server.source.page())
+            elif asked.path == "/data.json":
+                self._send_news(parse_qs(asked.query).get("flights", ["-1"])[0])
+            else:
+                self._send(HTTPStatus.NOT_FOUND, PLAIN, "there is nothing here but / and /data.json\n")
+        except HotlapError as error:
+            self._send(HTTPStatus.SERVICE_UNAVAILABLE, PLAIN, f"{error}\n")
+
+    def _send_news(self, known: str) -> None:
+        """What a page of so many flights lacks."""
+        if not re.fullmatch(r"-?\d{1,9}", known):
+            self._send(HTTPStatus.BAD_REQUEST, PLAIN, "flights must be a whole number\n")
+            return
+        news = self.server.source.news(int(known))
+        self._send(HTTPStatus.NO_CONTENT if news is None else HTTPStatus.OK, JSON, news or "")
+
+    def _send(self, status: HTTPStatus, kind: str, text: str) -> None:
+        """An answer with its headers."""
+        content = text.encode()
+        self.send_response(status)
+        for name, value in _HEADERS.items():
+            self.send_header(name, value)
+        self.send_header("Content-Security-Policy", policy(_SCRIPT.findall(text) if kind == HTML else ()))
+        if status is not HTTPStatus.NO_CONTENT:
+            self.send_header("Content-Type", kind)
+            self.send_header("Content-Length", str(len(content)))
+        self.end_headers()
+        if self.command != "HEAD":
+            self.wfile.write(content)
+
+
+def policy(scripts: Iterable[str]) -> str:
+    """What a page may do: run its own scripts, known by what is in them, and ask its own server for more."""
+    digests = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
+    allowed = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
+    parts = ("default-src 'none'", f"script-src {allowed}", "style-src 'unsafe-inline'", "img-src data: blob:", "connect-src 'self'")
+    return "; ".join((*parts, "base-uri 'none'", "form-action 'none'", "frame-ancestors 'none'"))
+
+
+def _find(host: str, port: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
+    """Family and address of a host."""
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    except (OSError, UnicodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is no name of a host"
+        raise InputError("--host", "", f"'{host}' cannot be found: {reason}") from None
+    return family, (str(address[0]), port)
+
+
+def _bracketed(host: str) -> str:
+    """As it stands in an address of the web."""
+    return f"[{host}]" if ":" in host else host

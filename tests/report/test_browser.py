@@ -1,0 +1,93 @@
+"""The page of a real study in a real browser: it plays, its parts are linked, nothing is missing, and it follows a study that runs."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PAGE = Path(__file__).parents[2] / "page"
+CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+HOTLAP = [sys.executable, "-m", "hotlap.cli"]
+RACE = ("circle-34", "--first-guess", "default", "--seed", "0")
+OLDEST_NODE = 18
+
+
+def missing() -> str:
+    """What a browser test needs and this machine lacks; "" for nothing."""
+    node = shutil.which("node")
+    if node is None or shutil.which("npm") is None:
+        return "node or npm is not installed"
+    version = subprocess.run([node, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    if int(version.removeprefix("v").split(".")[0]) < OLDEST_NODE:
+        return f"node {version} is older than {OLDEST_NODE}"
+    return "" if Path(CHROMIUM).exists() else f"{CHROMIUM} is not installed"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def tools():
+    """Chromium, node, and what the page's tests take from npm."""
+    reason = missing()
+    if reason and os.environ.get("CI"):
+        pytest.fail(f"the page must be tested in a browser, but {reason}")
+    if reason:
+        pytest.skip(reason)
+    with (PAGE / "package-lock.json").open() as lock:  # processes of one test run must not install at the same time
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (PAGE / "node_modules/playwright-core").is_dir():
+            subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], cwd=PAGE, check=True, capture_output=True)
+
+
+def hotlap(*words: str) -> None:
+    done = subprocess.run([*HOTLAP, *words], capture_output=True, text=True, check=False)
+    assert done.returncode in {0, 1}, done.stderr  # 1: the goal was not reached in so few flights
+
+
+def drive(*words: str) -> None:
+    done = subprocess.run(["node", *words], cwd=PAGE, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_page_of_a_study_does_what_it_should(tmp_path):
+    hotlap("tune", *RACE, "--budget", "40", "--validation", "40", "--out", str(tmp_path / "study"))
+    drive("browser/study.mjs", str(tmp_path / "study/report.html"), str(tmp_path / "pictures"))
+    assert {path.name for path in (tmp_path / "pictures").iterdir()} == {"desktop.png", "phone.png", "print.pdf", "without-script.png"}
+
+
+def test_the_page_follows_a_study_that_runs(tmp_path):
+    asked = ("tune", *RACE, "--goal", "none", "--validation", "0", "--out", str(tmp_path / "study"))
+    hotlap(*asked, "--budget", "6")
+    with start(*HOTLAP, "watch", str(tmp_path / "study"), "--port", "0", "--json") as server:
+        browser = start("node", "browser/live.mjs", read_document(server)["address"])
+        try:
+            assert browser.stdout is not None
+            assert browser.stdout.readline().strip() == "ready"
+            hotlap(*asked, "--budget", "12")
+            _, complaints = browser.communicate(timeout=60)
+        finally:
+            browser.kill()
+            server.terminate()
+    assert browser.returncode == 0, complaints
+
+
+def start(*words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(words, cwd=PAGE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def read_document(process: subprocess.Popen[str]) -> dict[str, str]:
+    """The JSON document at the beginning of what a process prints."""
+    assert process.stdout is not None
+    text = ""
+    for line in process.stdout:
+        text += line
+        try:
+            return json.loads(text)
+        except json.JSONDecodeError:
+            continue
+    raise AssertionError(text)

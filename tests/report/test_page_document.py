@@ -1,0 +1,174 @@
+"""What a page reads is what a study holds, as plain JSON; whatever the study has come to."""
+
+from __future__ import annotations
+
+import base64
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from plausible_world import PlausibleWorld
+from studies import AnyVehicle, begin, carry, configure
+
+from fake_world import make_course
+from hotlap import toml
+from hotlap.files import load_race
+from hotlap.ledger import Ledger
+from hotlap.race import JudgeSettings, Rule
+from hotlap.report.page.document import MOST_SAMPLES, describe
+from hotlap.report.page.encoding import MOST_ROWS, number, pack, thin, write_json
+from hotlap.report.page.shown import glance, show
+from hotlap.seeds import Stream
+
+KEYS = {
+    *("format", "kind", "live", "headline", "course", "traces", "repeats", "flights", "parameters", "samples", "sensitivity", "hold"),
+    "configuration",
+}
+
+
+def unpack(packed):
+    return np.frombuffer(base64.b64decode(packed["f32"]), dtype="<f4").reshape(packed["shape"])
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    asked = replace(configure(goal="mean_error<0.01", budget=60), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1)))
+    world = PlausibleWorld(noise=0.02)
+    return carry(tmp_path_factory.mktemp("study"), asked, world, "hotlap tune straight.toml --first-guess mine.toml")
+
+
+@pytest.fixture(scope="module")
+def whole(study):
+    """The document of a finished study, gone through JSON."""
+    shown = show(study.configuration, AnyVehicle(), study.best)
+    return json.loads(write_json(describe(study, shown)))
+
+
+def test_an_array_comes_back_as_it_was_to_single_precision():
+    values = np.array([[1.5, np.nan, -2.25], [0.1, np.inf, 1e-30]])
+    np.testing.assert_array_equal(unpack(pack(values)), values.astype("<f4"))
+    assert unpack(pack(np.zeros((0, 3)))).shape == (0, 3)
+
+
+@pytest.mark.parametrize(("rows", "kept"), [(0, 0), (1, 1), (MOST_ROWS, MOST_ROWS), (MOST_ROWS + 1, MOST_ROWS // 2 + 1)])
+def test_long_series_are_thinned_evenly(rows, kept):
+    assert len(np.arange(rows)[thin(rows)]) == kept
+
+
+def test_json_ends_no_element_and_holds_no_number_that_json_has_not():
+    assert "</script" not in write_json({"name": "</script><script>"})
+    assert json.loads(write_json({"name": "</script>ü"})) == {"name": "</script>ü"}
+    assert number(float("nan")) is number(float("inf")) is None
+    with pytest.raises(ValueError, match="JSON"):
+        write_json({"value": float("nan")})
+
+
+def test_the_whole_has_every_key(whole):
+    assert set(whole) == KEYS
+    assert (whole["format"], whole["kind"], whole["live"]) == (1, "study", False)
+
+
+def test_the_headline_says_what_the_study_says(study, whole):
+    head, result = whole["headline"], study.result
+    said = head["race"], head["tuner"], head["goal"], head["state"]
+    assert said == ("straight", "metropolis_hastings:tied", "mean_error<0.01", "finished")
+    assert (head["flights"], head["search_flights"], head["confirmed"]) == (result.flights, result.search_flights, result.best.confirmed)
+    assert head["planned_lap_time"] == study.configuration.course.reference.lap_time
+
+
+def test_latency_that_the_controller_does_not_know_is_the_difference(tmp_path):
+    course = make_course()
+    late = course.race.vehicle.model_copy(update={"delay": 0.045})
+    for model, unknown in ((course.race.vehicle, 0.045), (late, 0.0)):
+        race = course.race.model_copy(update={"vehicle": late, "model": model})
+        standing = begin(tmp_path / str(unknown), configure(replace(course, race=race)))
+        assert describe(standing, None)["headline"]["latency_unknown"] == unknown
+
+
+def test_every_flight_is_there_in_the_order_of_the_ledger(study, whole):
+    flights, ledger = whole["flights"], study.ledger
+    np.testing.assert_allclose(unpack(flights["cost"]), ledger.cost, rtol=1e-6)
+    np.testing.assert_allclose(unpack(flights["number"]), ledger.numbers + 1)
+    assert [Stream(stream) for stream in flights["stream"]] == ledger.streams.tolist()
+    assert flights["accepted"] == ledger.accepted.tolist()
+    assert flights["succeeded"] == ((ledger.completion >= 1) & (ledger.mean_error < 0.01)).tolist()
+
+
+def test_traces_are_flights_of_their_own_noise(study, whole):
+    assert [trace["id"] for trace in whole["traces"]] == ["best", "first", "default"]
+    (seed,) = {trace["seed"] for trace in whole["traces"]}
+    assert seed not in study.ledger.seeds
+    for trace in whole["traces"]:
+        rows = trace["time"]["shape"][0]
+        for name, width in {"position": 3, "attitude": 4, "rates": 3, "rotor_thrusts": 4, "command_rates": 3}.items():
+            assert trace[name]["shape"] == [rows, width]
+        assert trace["speed"]["shape"] == trace["error"]["shape"] == trace["command_thrust"]["shape"] == [rows]
+        assert set(trace["effort"]) - {"reference"} == set(trace["effort"]["reference"])
+
+
+def test_repeats_add_up(whole):
+    for repeats in whole["repeats"]:
+        assert repeats["complete"] + len(repeats["ends"]) == repeats["flights"]
+        assert repeats["failures"]["shape"] == [len(repeats["ends"]), 3]
+        assert len(repeats["failed_gates"]) == len(repeats["ends"])
+        assert 0 <= repeats["low"] <= repeats["complete"] / repeats["flights"] <= repeats["high"] <= 1
+
+
+def test_parameters_lie_within_their_bounds(whole):
+    parameters = whole["parameters"]
+    low, high = (unpack(parameters[name]) for name in ("low", "high"))
+    for name in ("default", "first", "best"):
+        values = unpack(parameters[name])
+        assert values.shape == (2, len(parameters["names"]))
+        assert ((values >= low) & (values <= high)).all()
+    assert len(parameters["symbols"]) == len(parameters["units"]) == len(parameters["names"])
+
+
+def test_the_race_can_be_read_again(whole, study, tmp_path):
+    (tmp_path / "race.toml").write_text(whole["configuration"]["race_toml"], encoding="utf-8")
+    assert load_race(tmp_path / "race.toml") == study.configuration.course.race
+    assert toml.write(study.configuration.course.race.model_dump(mode="json", exclude_none=True))
+
+
+def test_the_command_is_the_one_that_was_given_and_names_the_first_guess(tmp_path, whole):
+    assert whole["configuration"]["command"] == "hotlap tune straight.toml --first-guess mine.toml"
+    assert whole["headline"]["first_guess"] == "mine.toml"
+    document = describe(begin(tmp_path, configure()), None)
+    assert document["configuration"]["command"].endswith("--first-guess default")
+    assert document["headline"]["first_guess"] == "default"
+
+
+def test_many_samples_are_thinned_and_the_page_is_told_of_how_many(study):
+    search = study.ledger.of(Stream.SEARCH)
+    times = 2 * MOST_SAMPLES // len(search) + 1
+    samples = describe(replace(study, ledger=Ledger.join([study.ledger] * times)), None)["samples"]
+    assert samples["parameters"]["shape"] == [MOST_SAMPLES, 2, 5]
+    assert len(samples["accepted"]) == len(samples["succeeded"]) == MOST_SAMPLES
+    assert samples["of"] == times * len(search) > MOST_SAMPLES
+
+
+def test_a_study_without_flights_has_a_document(tmp_path):
+    standing = begin(tmp_path, configure())
+    for shown in (None, glance(standing.configuration, PlausibleWorld(), standing.best)):
+        document = json.loads(write_json(describe(standing, shown, live=True)))
+        assert set(document) == KEYS
+        assert (document["headline"]["state"], document["headline"]["completion"], document["live"]) == ("running", None, True)
+        assert (document["sensitivity"], document["hold"], document["samples"]["of"]) == (None, [], 0)
+
+
+@pytest.mark.parametrize(
+    ("world", "goal"),
+    [(PlausibleWorld(reach=40.0, crash=True), "none"), (PlausibleWorld(reach=20.0), "completion=1"), (PlausibleWorld(), "mean_error<0.01")],
+)
+def test_a_study_of_failures_has_a_document(tmp_path, world, goal):
+    standing = carry(tmp_path, configure(goal=goal), world)
+    document = json.loads(write_json(describe(standing, show(standing.configuration, world, standing.best))))
+    assert document["hold"] == []  # this world flies what it has
+    assert document["sensitivity"]["by_segment"]["shape"] == [2, 5]
+
+
+@pytest.mark.parametrize(("rule", "name"), [(Rule.CLOCK, "clock"), (Rule.CLOSEST, "approach"), (Rule.RELEASED, "approach")])
+def test_the_rule_is_one_of_two(tmp_path, rule, name):
+    standing = begin(tmp_path, configure(make_course(JudgeSettings(rule=rule, fly_on=True))))
+    assert describe(standing, None)["course"]["rule"] == name

@@ -1,0 +1,129 @@
+"""A page is whole, says the same without JavaScript, and lets no name of a user's become markup."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+from plausible_world import PlausibleWorld
+from studies import AnyVehicle, begin, carry, configure
+
+from fake_world import make_course
+from hotlap.errors import InputError
+from hotlap.report.page.shown import show
+from hotlap.report.page.still import describe_still, summary_of
+from hotlap.report.page.track_map import draw_track_map
+from hotlap.report.page.writing import DATA, REPORT, STILL, TITLE, fill, load_template, render, write_report
+from hotlap.report.scene import stage
+from hotlap.study import Study
+
+TEMPLATE = f"<head>{TITLE}</head><body>{STILL}{DATA}</body>"
+VOID = {"meta", "br", "link", "img", "input", "hr"}
+
+
+class Balanced(HTMLParser):
+    """Every element that is opened is closed."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.words, self.seen = [], [], []
+
+    def handle_starttag(self, tag, attrs):  # noqa: ARG002
+        self.seen.append(tag)
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def read(html):
+    parser = Balanced()
+    parser.feed(html)
+    parser.close()
+    assert parser.open == []
+    return parser
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    return carry(tmp_path_factory.mktemp("study"), configure(), command="hotlap tune 'a & b.toml'")
+
+
+@pytest.fixture(scope="module")
+def shown(study):
+    return show(study.configuration, AnyVehicle(), study.best)
+
+
+def test_the_built_page_has_its_places(study, shown):
+    html = render(study, shown)
+    assert html.startswith("<!")
+    assert html.count("<title>straight: metropolis_hastings:tied - hotlap</title>") == 1
+    (data,) = re.findall(r'<script id="study-data" type="application/json">(.*?)</script>', html, re.DOTALL)
+    assert json.loads(data)["headline"]["race"] == "straight"
+    assert '<div id="static"><h1>' in html
+
+
+@pytest.mark.parametrize("place", [TITLE, STILL, DATA])
+def test_the_template_has_each_place_once(place):
+    assert load_template().count(place) == 1
+
+
+def test_a_name_that_looks_like_markup_stays_a_name():
+    name = "</title></script><script>alert(1)</script>"
+    html = fill(TEMPLATE, name, "", {"name": name})
+    assert html.count("<script") == 1
+    assert html.count("</title>") == 1
+
+
+def test_without_javascript_the_answers_are_there(study, shown):
+    page = read(describe_still(study, shown))
+    words = " ".join(page.words)
+    assert summary_of(study) in words
+    assert {"svg", "table", "h1", "figure"} <= set(page.seen)
+    assert "script" not in page.seen
+    for part in ("will it hold", "as tuned", "of 100 flights", *study.configuration.course.space.names, study.command):
+        assert part.lower() in words.lower()
+
+
+def test_a_goal_that_was_not_confirmed_is_said_as_plainly(tmp_path):
+    standing = carry(tmp_path, configure(goal="mean_error<0.01"))
+    assert "NOT confirmed in 20 flights" in summary_of(standing)
+
+
+def test_a_study_without_flights_has_a_page(tmp_path):
+    standing = begin(tmp_path, configure())
+    assert summary_of(standing) == "No flights yet."
+    read(describe_still(standing, None))
+
+
+def test_the_map_stays_within_its_box():
+    svg = draw_track_map(stage(make_course()))
+    width, height = map(float, re.search(r'viewBox="0 0 (\S+) (\S+)"', svg).groups())
+    points = [tuple(map(float, pair.split(","))) for line in re.findall(r'points="([^"]*)"', svg) for pair in line.split()]
+    assert points
+    assert all(0 <= x <= width and 0 <= y <= height for x, y in points)
+    read(svg)
+
+
+def test_a_report_lies_in_the_folder_of_its_study(tmp_path):
+    with Study.open(tmp_path, configure()) as study:
+        path = write_report(study, PlausibleWorld())
+    assert path == tmp_path / REPORT
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_a_report_that_cannot_be_written_is_one_clear_line(tmp_path):
+    with Study.open(tmp_path, configure()) as study:
+        (tmp_path / REPORT).mkdir()
+        with pytest.raises(InputError, match=r"report\.html: cannot be written"):
+            write_report(study, PlausibleWorld())
+
+
+def test_a_page_is_small(study, shown):
+    assert len(render(study, shown)) - len(load_template()) < 1_000_000
