@@ -19,6 +19,7 @@ FORBIDDEN = {  # room: rooms that it must not reach
     "study": {"report", "cli"},
     "analysis": {"report", "cli"},
     "report": {"cli"},
+    "export": {"report", "cli"},
 }
 
 

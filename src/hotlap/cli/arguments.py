@@ -10,6 +10,7 @@ from hotlap.cli.parser import Parser, fraction, one_of, path, whole
 
 KINDS = ("race", "track", "quadrotor")
 RULES = ("paper", "released_1m", "released_3m", "none", "equal_time")
+FORMATS = ("rpg_mpc", "acados", "json", "toml", "csv", "optuna")
 GUESSES = ("learned", "paper", "default")
 REPRODUCED = Path("runs/reproduced")
 EXPERIMENTS = ("table1", "table2", "table3", "landscape", "experts", "robustness", "initialisations")
@@ -179,6 +180,13 @@ def _reproduce(parser: Parser) -> None:
     add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
 
 
+def _export(parser: Parser) -> None:
+    parser.add_argument("folder", metavar="DIR", type=path, help="folder of a study, as hotlap tune made it")
+    formats = one_of("format", FORMATS)
+    parser.add_argument("--format", type=formats, required=True, metavar="NAME", help=", ".join(FORMATS))
+    parser.add_argument("--out", type=path, metavar="FILE", help="file to write (default: one in DIR)")
+
+
 def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
@@ -225,6 +233,13 @@ COMMANDS: Mapping[str, Command] = {
         "Fly a race with given parameters and fresh noise, and say how the flights ended.",
         _fly,
         ("hotlap fly circle-34", "hotlap fly circle-34 --parameters runs/mine --flights 1000"),
+    ),
+    "export": Command(
+        "write parameters for other programs",
+        "Write tuned parameters as other programs read them: mpc.yaml of rpg_mpc, weights for acados, JSON, TOML, CSV; or all flights\n"
+        "of a study for optuna-dashboard.",
+        _export,
+        ("hotlap export runs/mine --format acados", "hotlap export runs/mine --format optuna --out flights.db"),
     ),
     "landscape": Command(
         "map completion over two parameters",
