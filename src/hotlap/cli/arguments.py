@@ -93,7 +93,7 @@ def _plan(parser: Parser) -> None:
 def _tune(parser: Parser) -> None:
     _race(parser)
     add = parser.add_argument
-    add("--tuner", default="guided_walk", metavar="NAME", help="NAME or NAME:PRESET (default: guided_walk)")
+    add("--tuner", default="guided_walk", metavar="NAME", help="NAME, NAME:PRESET or my_module.MyTuner (default: guided_walk)")
     add("--goal", default="completion=1", help=f"when to stop: {GOALS}; or lap_time: the fastest plan that holds (default: completion=1)")
     add("--budget", type=whole, default=200, metavar="N", help="flights at most, re-flights included (default: 200)")
     add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")
@@ -129,7 +129,7 @@ def _compare(parser: Parser) -> None:
     add = parser.add_argument
     add("races", nargs="+", metavar="RACE", help="built-in races (hotlap races) or TOML files")
     names = "guided_walk,metropolis_hastings,cma_es,random_search"
-    add("--tuners", default=names, metavar="A,B", help=f"NAME or NAME:PRESET of each (default: {names})")
+    add("--tuners", default=names, metavar="A,B", help=f"NAME, NAME:PRESET or my_module.MyTuner of each (default: {names})")
     add("--seeds", type=whole, default=10, metavar="N", help="runs of each tuner on each race (default: 10)")
     add("--budget", default="200", metavar="N", help="flights of a run, re-flights included: 200,cma_es=1000 (default: 200)")
     add("--out", type=path, required=True, metavar="DIR", help="folder of the comparison, begun or gone on with")
