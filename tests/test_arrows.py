@@ -20,6 +20,7 @@ FORBIDDEN = {  # room: rooms that it must not reach
     "analysis": {"report", "cli"},
     "report": {"cli"},
     "export": {"report", "cli"},
+    "optuna": {"flight", "planning", "worlds", "objective", "tuning", "study", "report", "cli", "course", "race", "scoring", "files"},
 }
 
 

@@ -22,6 +22,7 @@ SAYS = {
     "own_track": "planned: ",
     "own_tuner": "own_tuner.Hill:bold  confirmed: ",
     "quickstart": "circle-34: confirmed: ",
+    "sampler_on_own_function": "guided walk: gain ",
     "robustness_check": "10 % heavier",
 }
 EVERY = pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
