@@ -79,6 +79,8 @@ def _check(parser: Parser) -> None:
 def _new(parser: Parser) -> None:
     parser.add_argument("kind", metavar="KIND", type=one_of("kind of file", KINDS), help=", ".join(KINDS))
     parser.add_argument("name", metavar="NAME", help="what it is called; the file is NAME.toml")
+    parser.add_argument("--track", metavar="TRACK", help="of a race: a built-in track or a TOML file (default: circle)")
+    parser.add_argument("--vehicle", metavar="QUADROTOR", help="of a race: a built-in quadrotor or a TOML file (default: a hummingbird)")
 
 
 def _plan(parser: Parser) -> None:
@@ -203,7 +205,7 @@ COMMANDS: Mapping[str, Command] = {
         "write a file to start from",
         "Write a commented file to start from, every key with its unit and default.",
         _new,
-        ("hotlap new quadrotor my-drone",),
+        ("hotlap new quadrotor my-drone", "hotlap new race my-race --vehicle my-drone.toml --track circle"),
     ),
     "plan": Command(
         "plan the fastest reference",
