@@ -31,12 +31,8 @@ def run(options: Namespace) -> int:
     document = {"kind": kind, "name": description.name, "findings": [vars(finding) for finding in findings]}
     cells = table([(finding.label, _value(finding), finding.remark) for finding in findings], indent="  ")
     styled = (Text(line, style=STYLES[finding.level]) for line, finding in zip(cells, findings, strict=True))
-    lines = [
-        Text(f"{kind} {description.name}", style="bold"),
-        *styled,
-        *_picture(description),
-        f"next: {_next(kind, options.file, findings)}",
-    ]
+    title, further = Text(f"{kind} {description.name}", style="bold"), f"next: {_next(kind, options.file, findings)}"
+    lines = [title, *styled, *_picture(description), further]
     present(as_json=options.json, document=document, lines=lines)
     return 0
 
