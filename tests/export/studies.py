@@ -50,5 +50,5 @@ def tuned(course: Course) -> Tuned:
 
 def alternating() -> Segments:
     """Two segments of which one has two pieces."""
-    kinds = (SegmentClass.TURN, SegmentClass.CRUISE, SegmentClass.TURN)
+    kinds = (SegmentClass.ASCENT, SegmentClass.FLAT, SegmentClass.ASCENT)
     return Segments(np.array([0.0, 1.0, 2.25]), kinds, 3.4, (0, 1, 0))
