@@ -19,6 +19,8 @@ FORBIDDEN = {  # room: rooms that it must not reach
     "study": {"report", "cli"},
     "analysis": {"report", "cli"},
     "report": {"cli"},
+    "export": {"report", "cli"},
+    "optuna": {"flight", "planning", "worlds", "objective", "tuning", "study", "report", "cli", "course", "race", "scoring", "files"},
 }
 
 

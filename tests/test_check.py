@@ -64,6 +64,22 @@ def test_a_plan_that_takes_all_thrust_is_a_warning():
     assert findings(race)["expected difficulty"].value == "beyond the vehicle"
 
 
+def test_a_plan_that_may_not_use_enough_thrust_to_hover_is_a_warning():
+    race = changed("circle-34", vehicle={"rotor_thrust": (0.0, 2.0)})
+    race = race.model_copy(update={"model": None, "planning": type(race.planning)()})
+    assert race.vehicle.thrust_to_weight > 1 > race.planned.thrust_to_weight
+    found = findings(race)
+    assert found["plan cannot hover"].level is Level.WARNING
+    assert found["expected difficulty"].value == "no plan"
+    assert "plan cannot hover" not in findings(load_race("circle-34"))
+
+
+def test_a_drone_without_drag_is_said_to_have_none():
+    plain = load_quadrotor("hummingbird")
+    assert findings(plain)["top speed"].remark == "its drag acts in the rotor plane alone"
+    assert findings(plain.model_copy(update={"rotor_drag": 0.0}))["top speed"].remark == "no drag is given"
+
+
 def test_limits_of_the_controller_that_bind_are_warnings():
     found = findings(changed("split-s", controller={"thrust": (0.1, 20.0), "rates": (10.0, 10.0, 3.0)}))
     assert found["thrust limit binds"].level is Level.WARNING

@@ -49,3 +49,13 @@ def test_flights_are_counted():
     objective.fly(parameters, np.arange(3))
     objective.fly_recorded(parameters[:2], np.arange(2))
     assert objective.flights == 5
+
+
+def test_a_cost_of_ones_own_takes_the_place_of_both_costs_and_of_nothing_else():
+    course = make_course()
+    parameters, seeds = np.tile(course.space.first_guess(2), (6, 1, 1)), np.arange(6)
+    own = Objective(course, FakeWorld(), cost=lambda flights, scores: flights.max_error + scores.completion).fly(parameters, seeds)
+    flights, plain = Objective(course, FakeWorld()).fly_recorded(parameters, seeds)
+    np.testing.assert_array_equal(own.cost, flights.max_error + plain.completion)
+    np.testing.assert_array_equal(own.dense, own.cost)
+    np.testing.assert_array_equal(own.completion, plain.completion)

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from hotlap.course import Course
     from hotlap.errors import HotlapError, InputError, PlanningError
     from hotlap.files import load_parameters, load_quadrotor, load_race, load_track, save_parameters
+    from hotlap.flight.controller import Controller
     from hotlap.goal import Goal, parse_goal
     from hotlap.objective import Objective
+    from hotlap.parameters import ParameterSpace
     from hotlap.planning import plan
     from hotlap.preparation import prepare
     from hotlap.records import Flights, Scores
@@ -39,8 +41,10 @@ _HOMES = {
     "course": ("Course",),
     "errors": ("HotlapError", "InputError", "PlanningError"),
     "files": ("load_parameters", "load_quadrotor", "load_race", "load_track", "save_parameters"),
+    "flight.controller": ("Controller",),
     "goal": ("Goal", "parse_goal"),
     "objective": ("Objective",),
+    "parameters": ("ParameterSpace",),
     "planning": ("plan",),
     "preparation": ("prepare",),
     "records": ("Flights", "Scores"),
@@ -57,6 +61,7 @@ _HOME = {name: module for module, names in _HOMES.items() for name in names}
 __all__ = [
     "BuiltIn",
     "Configuration",
+    "Controller",
     "Course",
     "Flights",
     "Goal",
@@ -64,6 +69,7 @@ __all__ = [
     "InputError",
     "Metric",
     "Objective",
+    "ParameterSpace",
     "PlanningError",
     "Reference",
     "Scores",

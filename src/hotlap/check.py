@@ -92,7 +92,8 @@ def describe_quadrotor(quadrotor: Quadrotor) -> tuple[Finding, ...]:
     """Thrust, speed and agility of a quadrotor."""
     ratio, fastest, damping = quadrotor.thrust_to_weight, top_speed(quadrotor), rate_damping(quadrotor)
     weak = "too little for racing" if ratio < 1.5 else ""
-    unlimited = "its drag, if any, acts in the rotor plane alone"
+    dragless = not any((*quadrotor.drag, *quadrotor.body_drag, quadrotor.rotor_drag))
+    unlimited = "no drag is given" if dragless else "its drag acts in the rotor plane alone"
     return (
         Finding("thrust-to-weight", f"{ratio:.2f}", weak, _note(ratio < 1.5)),
         Finding("hover throttle", f"{hover_share(quadrotor):.0%}", "of the largest thrust"),
@@ -120,6 +121,7 @@ def describe_race(race: Race, top_speed: float | None = None) -> tuple[Finding, 
         Finding("vehicle", vehicle.name, f"thrust-to-weight {vehicle.thrust_to_weight:.2f}"),
         Finding("plan", planned.name, f"thrust-to-weight {planned.thrust_to_weight:.2f}, top speed {about}{speed:.0f} m/s"),
         _thrust(race),
+        *_hover(race),
         *_drag(race),
         _knowledge(race),
         _latency(race, speed),
@@ -143,6 +145,14 @@ def _thrust(race: Race) -> Finding:
     late = "no tuner will help" if race.judge.rule is Rule.CLOCK else "the drone will fall behind its clock"
     remark = f"of the vehicle's thrust: {late}" if share > SPENT else "of the vehicle's thrust; the rest is left to correct with"
     return Finding("plan uses", f"{share:.0%}", remark, _warning(share > SPENT))
+
+
+def _hover(race: Race) -> list[Finding]:
+    """Whether the plan may use enough thrust to hover."""
+    ratio = race.planned.thrust_to_weight
+    if ratio > 1:
+        return []
+    return [Finding("plan cannot hover", f"{ratio:.2f}", "thrust-to-weight that it may use; raise planning.thrust_share", Level.WARNING)]
 
 
 def _drag(race: Race) -> list[Finding]:
@@ -189,7 +199,9 @@ def _difficulty(race: Race, speed: float) -> Finding:
     """A rule of thumb from the built-in races: thrust that is spent and metres flown blind."""
     blind = abs(unknown_latency(race)) * speed / race.judge.distance
     share, steady = thrust_share(race), steady_share(race) or 0.0
-    if steady > EXHAUSTED or (share > SPENT and race.judge.rule is Rule.CLOCK):
+    if race.planned.thrust_to_weight <= 1:
+        word, remark = "no plan", "the vehicle is too weak for a share of its thrust to carry it"
+    elif steady > EXHAUSTED or (share > SPENT and race.judge.rule is Rule.CLOCK):
         word, remark = "beyond the vehicle", "expect partial completion, whatever the tuner"
     elif blind > 0.4 or share > 0.85:
         word, remark = "hard", "the default weights are likely to miss gates"

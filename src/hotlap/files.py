@@ -204,6 +204,7 @@ def _data(kind: Kind) -> Traversable:
 def _load(kind: Kind, reference: str, place: _Place, key: str) -> Any:
     """Read, complete and check the description that a name or path refers to."""
     table, inner = _open(kind, reference, names(kind), place, key)
+    _refuse_other_kind(kind, table, inner.label)
     base = table.pop("base", None)
     parent = None if base is None else _refer(kind, base, inner, "base")
     table.setdefault("name", Path(reference).stem if inner.folder else reference)
@@ -237,6 +238,8 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
     if found is not None and (looks_like_path or found.is_file()):
         return found
     if not looks_like_path:
+        if any(path.with_name(path.name + ".toml").is_file() for path in candidates if path.name):
+            raise InputError(place.label, key, f"there is no {kind} named '{reference}'; the file is {reference}.toml")
         raise UnknownNameError(kind, reference, known, place.label, key)
     if place.label:
         raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}")
@@ -296,10 +299,24 @@ def _overlay(parent: Described | None, table: dict[str, Any], dropped: frozenset
     return merged
 
 
+def _own_keys(table: dict[str, Any]) -> dict[Kind, int]:
+    """How many keys a table has of each kind, without those that every kind has."""
+    shared = set.intersection(*(set(description.model_fields) for description in TYPES.values()))
+    return {kind: len((set(table) - shared) & set(description.model_fields)) for kind, description in TYPES.items()}
+
+
+def _refuse_other_kind(kind: Kind, table: dict[str, Any], label: str) -> None:
+    """Say so where a file describes something else than is wanted, before its keys are found fault with."""
+    counts = _own_keys(table)
+    other = max(counts, key=lambda each: counts[each])
+    if counts[other] and not counts[kind]:
+        hint = "; a race names its track and its vehicle: hotlap new race NAME" if kind is Kind.RACE else ""
+        raise InputError(label, "", f"describes a {other}, not a {kind}{hint}")
+
+
 def _kind_of(table: dict[str, Any], label: str) -> Kind:
     """What a table describes, by the keys that only one kind has."""
-    shared = set.intersection(*(set(description.model_fields) for description in TYPES.values()))
-    counts = {kind: len((set(table) - shared) & set(description.model_fields)) for kind, description in TYPES.items()}
+    counts = _own_keys(table)
     best = max(counts, key=lambda kind: counts[kind])
     if counts[best]:
         return best

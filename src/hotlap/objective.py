@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ class Objective:
         world: where.
         metric: what the cost measures.
         randomise: how far each flight's vehicle may differ from the race's, as a share; see `truth.draw_truths`.
+        cost: of your own, in place of the metric's: (flights, scores by the metric) -> shape (B,), not negative, less is better.
         flights: how many have been flown through it.
     """
 
@@ -32,6 +33,7 @@ class Objective:
     world: World
     metric: Metric = Metric.TIME
     randomise: float = 0.0
+    cost: Callable[[Flights, Scores], NDArray[np.float64]] | None = None
     flights: int = field(default=0, init=False)
 
     def fly(self, parameters: Parameters, seeds: NDArray[np.int64]) -> Scores:
@@ -54,4 +56,8 @@ class Objective:
         truth = draw_truths(self.course.race.vehicle, seeds, self.randomise) if self.randomise else None
         flights = self.world.fly(self.course, parameters, seeds, truth=truth, log=log)
         self.flights += len(flights)
-        return flights, score(flights, self.course.race.judge, self.metric)
+        scores = score(flights, self.course.race.judge, self.metric)
+        if self.cost is None:
+            return flights, scores
+        own = np.asarray(self.cost(flights, scores), dtype=np.float64)
+        return flights, replace(scores, cost=own, dense=own)

@@ -115,6 +115,22 @@ class Scores:
         """The scores of one batch behind the other; at least one."""
         return Scores(**{field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Scores)})
 
+    @staticmethod
+    def of_costs(costs: Floats) -> Scores:
+        """What a tuner needs to know of anything that is not a flight: costs of shape (B,), less is better; they name no segment."""
+        costs = np.asarray(costs, dtype=np.float64)
+        none = np.full(len(costs), np.nan)
+        return Scores(
+            cost=costs,
+            completion=np.zeros(len(costs)),
+            failed_segment=np.full(len(costs), -1),
+            gate_distance=np.empty((len(costs), 0)),
+            mean_error=none,
+            max_error=none,
+            lap_time=none,
+            dense=costs,
+        )
+
     @property
     def complete(self) -> NDArray[np.bool_]:
         """Shape (B,), whether every gate was passed."""

@@ -46,15 +46,17 @@ EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
 }
 
 
-def new(kind: Kind, name: str) -> str:
+def new(kind: Kind, name: str, values: Mapping[str, Any] | None = None) -> str:
     """The text of a new file that loads as it stands.
 
     Args:
         kind: what it describes.
         name: what it is called.
+        values: of some of its keys, in place of the examples.
     """
+    examples = {**EXAMPLES[kind], **(values or {})}
     head = f'# {HEADS[kind]}\n# Lines that begin with "# " show defaults or examples: remove the mark to change one.\n'
-    return f"{head}name = {toml.write_value(name)}\n" + "".join(_lines(TYPES[kind], EXAMPLES[kind], "", optional=False))
+    return f"{head}name = {toml.write_value(name)}\n" + "".join(_lines(TYPES[kind], examples, "", optional=False))
 
 
 def _lines(description: type[Described], examples: Mapping[str, Any], path: str, *, optional: bool) -> list[str]:

@@ -64,6 +64,34 @@ def test_new_writes_a_file_that_checks(hotlap, here, kind):
     assert hotlap("check", "mine.toml").code == 0
 
 
+def test_a_drone_a_track_and_a_race_of_ones_own_are_four_commands(hotlap):
+    hotlap("new", "quadrotor", "kite")
+    hotlap("new", "track", "garden")
+    assert hotlap("new", "race", "sunday", "--track", "garden.toml", "--vehicle", "kite.toml").code == 0
+    ran = hotlap("check", "sunday.toml")
+    assert [line.split()[:2] for line in ran.out.splitlines()[1:3]] == [["track", "garden"], ["vehicle", "kite"]]
+    assert "warning" not in ran.out
+    assert ran.out.endswith("next: hotlap tune sunday.toml\n")
+
+
+def test_check_says_what_to_do_next(hotlap):
+    assert hotlap("check", "circle").out.endswith("next: hotlap new race NAME --track circle\n")
+    assert hotlap("check", "hummingbird").out.endswith("next: hotlap new race NAME --vehicle hummingbird\n")
+    assert hotlap("check", "airsim-final-22").out.endswith("next: see to the warnings, then hotlap tune airsim-final-22\n")
+
+
+def test_a_track_is_drawn_with_its_gates_numbered(hotlap):
+    out = hotlap("check", "circle").out
+    assert "from above: " in out
+    assert "from the side: " in out
+    assert "S" in out.split("from above: ")[1]
+
+
+def test_a_name_without_its_ending_is_told_the_file(hotlap):
+    ran = hotlap("check", "straight")
+    assert (ran.code, ran.err) == (2, "hotlap: there is no race, track or quadrotor named 'straight'; the file is straight.toml\n")
+
+
 def test_new_takes_a_path_and_tells_programs(hotlap, here):
     (here / "drones").mkdir()
     ran = hotlap("new", "quadrotor", "drones/fast one.toml", "--json")

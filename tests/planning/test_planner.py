@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from hotlap.errors import PlanningError
+from hotlap.files import load_race
 from hotlap.planning import ipopt, plan, planner
 from hotlap.planning.problem import Problem
 from hotlap.race import Race
@@ -40,6 +41,14 @@ def test_an_impossible_track_is_refused_with_its_gate(race, gate, reason):
     with pytest.raises(PlanningError, match=reason) as caught:
         plan(race, cache=False)
     assert caught.value.gate == gate
+
+
+def test_a_share_of_the_thrust_that_cannot_carry_the_drone_is_refused_before_anything_is_searched():
+    race = load_race("circle-34")
+    weak = race.vehicle.model_copy(update={"rotor_thrust": (0.0, 2.0)})
+    race = race.model_copy(update={"vehicle": weak, "model": None, "planning": type(race.planning)()})
+    with pytest.raises(PlanningError, match=r"thrust-to-weight of 0\.85 and cannot hover; raise planning\.thrust_share"):
+        plan(race)
 
 
 def test_a_drone_too_weak_for_a_climb_is_told_the_gate():

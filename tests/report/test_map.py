@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fake_world import make_course
-from hotlap.files import load_race
+from hotlap.files import load_race, load_track
 from hotlap.planning import plan
-from hotlap.report.map import draw_map
+from hotlap.report.map import draw_map, draw_track
 from hotlap.segmentation import segment
 
 ANSI = re.compile("\x1b\\[[0-9]*m")
@@ -76,6 +76,13 @@ def test_segments_are_listed_in_order():
     assert re.findall(r"(\d) (\w+)", " ".join(re.findall(r"\d [a-z]\w{3,}", text))) == [
         (str(i + 1), kind.value) for i, kind in enumerate(segment(plan(load_race("qualifier-20"))).classes)
     ]
+
+
+def test_a_track_is_drawn_in_straight_lines_with_every_gate():
+    text = draw_track(load_track("drop"), width=100, height=30)
+    assert "from above" in text
+    assert all(str(gate) in text for gate in range(1, 13))
+    assert max(map(len, text.splitlines())) <= 100
 
 
 def test_the_longer_side_runs_across():

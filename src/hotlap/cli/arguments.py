@@ -10,6 +10,7 @@ from hotlap.cli.parser import Parser, fraction, one_of, path, whole
 
 KINDS = ("race", "track", "quadrotor")
 RULES = ("paper", "released_1m", "released_3m", "none", "equal_time")
+FORMATS = ("rpg_mpc", "acados", "json", "toml", "csv", "optuna")
 GUESSES = ("learned", "paper", "default")
 REPRODUCED = Path("runs/reproduced")
 EXPERIMENTS = ("table1", "table2", "table3", "landscape", "experts", "robustness", "initialisations")
@@ -83,6 +84,8 @@ def _check(parser: Parser) -> None:
 def _new(parser: Parser) -> None:
     parser.add_argument("kind", metavar="KIND", type=one_of("kind of file", KINDS), help=", ".join(KINDS))
     parser.add_argument("name", metavar="NAME", help="what it is called; the file is NAME.toml")
+    parser.add_argument("--track", metavar="TRACK", help="of a race: a built-in track or a TOML file (default: circle)")
+    parser.add_argument("--vehicle", metavar="QUADROTOR", help="of a race: a built-in quadrotor or a TOML file (default: a hummingbird)")
 
 
 def _plan(parser: Parser) -> None:
@@ -97,7 +100,7 @@ def _plan(parser: Parser) -> None:
 def _tune(parser: Parser) -> None:
     _race(parser)
     add = parser.add_argument
-    add("--tuner", default="guided_walk", metavar="NAME", help="NAME or NAME:PRESET (default: guided_walk)")
+    add("--tuner", default="guided_walk", metavar="NAME", help="NAME, NAME:PRESET or my_module.MyTuner (default: guided_walk)")
     add("--goal", default="completion=1", help=f"when to stop: {GOALS}; or lap_time: the fastest plan that holds (default: completion=1)")
     add("--budget", type=whole, default=200, metavar="N", help="flights at most, re-flights included (default: 200)")
     add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")
@@ -149,7 +152,7 @@ def _compare(parser: Parser) -> None:
     add = parser.add_argument
     add("races", nargs="+", metavar="RACE", help="built-in races (hotlap races) or TOML files")
     names = "guided_walk,metropolis_hastings,cma_es,random_search"
-    add("--tuners", default=names, metavar="A,B", help=f"NAME or NAME:PRESET of each (default: {names})")
+    add("--tuners", default=names, metavar="A,B", help=f"NAME, NAME:PRESET or my_module.MyTuner of each (default: {names})")
     add("--seeds", type=whole, default=10, metavar="N", help="runs of each tuner on each race (default: 10)")
     add("--budget", default="200", metavar="N", help="flights of a run, re-flights included: 200,cma_es=1000 (default: 200)")
     add("--out", type=path, required=True, metavar="DIR", help="folder of the comparison, begun or gone on with")
@@ -200,6 +203,13 @@ def _reproduce(parser: Parser) -> None:
     add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
 
 
+def _export(parser: Parser) -> None:
+    parser.add_argument("folder", metavar="DIR", type=path, help="folder of a study, as hotlap tune made it")
+    formats = one_of("format", FORMATS)
+    parser.add_argument("--format", type=formats, required=True, metavar="NAME", help=", ".join(FORMATS))
+    parser.add_argument("--out", type=path, metavar="FILE", help="file to write (default: one in DIR)")
+
+
 def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
@@ -216,7 +226,7 @@ COMMANDS: Mapping[str, Command] = {
         "write a file to start from",
         "Write a commented file to start from, every key with its unit and default.",
         _new,
-        ("hotlap new quadrotor my-drone",),
+        ("hotlap new quadrotor my-drone", "hotlap new race my-race --vehicle my-drone.toml --track circle"),
     ),
     "plan": Command(
         "plan the fastest reference",
@@ -260,6 +270,13 @@ COMMANDS: Mapping[str, Command] = {
         "written; --json prints the address at once.",
         _watch,
         ("hotlap watch runs/mine", "hotlap watch runs/mine --port 8080"),
+    ),
+    "export": Command(
+        "write parameters for other programs",
+        "Write tuned parameters as other programs read them: mpc.yaml of rpg_mpc, weights for acados, JSON, TOML, CSV; or all flights\n"
+        "of a study for optuna-dashboard.",
+        _export,
+        ("hotlap export runs/mine --format acados", "hotlap export runs/mine --format optuna --out flights.db"),
     ),
     "landscape": Command(
         "map completion over two parameters",

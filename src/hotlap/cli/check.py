@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import shlex
+import shutil
 from argparse import Namespace
+from collections.abc import Sequence
 
 from rich.text import Text
 
 from hotlap.check import Finding, Level, describe
 from hotlap.cli.output import present, table
 from hotlap.errors import PlanningError
-from hotlap.files import TYPES, Description, load
+from hotlap.files import TYPES, Description, Kind, load
 from hotlap.planning import cache
 from hotlap.planning.problem import Problem
 from hotlap.race import Race
+from hotlap.track import Track
 
+WIDEST = 100  # columns of a map
+ROLES = {Kind.TRACK: "track", Kind.QUADROTOR: "vehicle"}  # in a race
 STYLES = {Level.FACT: "", Level.NOTE: "yellow", Level.WARNING: "bold red"}
 
 
@@ -25,9 +31,27 @@ def run(options: Namespace) -> int:
     document = {"kind": kind, "name": description.name, "findings": [vars(finding) for finding in findings]}
     cells = table([(finding.label, _value(finding), finding.remark) for finding in findings], indent="  ")
     styled = (Text(line, style=STYLES[finding.level]) for line, finding in zip(cells, findings, strict=True))
-    lines = [Text(f"{kind} {description.name}", style="bold"), *styled]
+    title, further = Text(f"{kind} {description.name}", style="bold"), f"next: {_next(kind, options.file, findings)}"
+    lines = [title, *styled, *_picture(description), further]
     present(as_json=options.json, document=document, lines=lines)
     return 0
+
+
+def _picture(description: Description) -> list[str]:
+    """A track as a map: a wrong sign shows at once."""
+    if not isinstance(description, Track):
+        return []
+    from hotlap.report.map import draw_track  # noqa: PLC0415  only for tracks
+
+    width = min(shutil.get_terminal_size().columns, WIDEST)
+    return draw_track(description, width=width, height=width // 4).splitlines()
+
+
+def _next(kind: Kind, file: str, findings: Sequence[Finding]) -> str:
+    """The command that one would give now."""
+    name = shlex.quote(file)
+    command = f"hotlap tune {name}" if kind is Kind.RACE else f"hotlap new race NAME --{ROLES[kind]} {name}"
+    return f"see to the warnings, then {command}" if any(finding.level is Level.WARNING for finding in findings) else command
 
 
 def _planned_top_speed(description: Description) -> float | None:

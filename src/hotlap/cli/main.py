@@ -34,6 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     one_thread()
+    _look_here()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal without our characters is no reason to fail
@@ -79,6 +80,14 @@ def _run(arguments: list[str]) -> int:
         return SUCCESS
     options.arguments = tuple(rest)
     return import_module(f"hotlap.cli.{name}").run(options)
+
+
+def _look_here() -> None:
+    """Let tuners of the user's own be found in the working folder, `--tuner my_module.MyTuner`; last, so that it hides nothing."""
+    with suppress(OSError):
+        here = str(Path.cwd())
+        if here not in sys.path:
+            sys.path.append(here)
 
 
 def _show_warning(message: Warning | str, *_: object) -> None:

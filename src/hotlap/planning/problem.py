@@ -48,8 +48,15 @@ class Problem:
 
     @classmethod
     def of(cls, race: Race) -> Problem:
-        """The problem that a race poses."""
-        track, settings = race.track, race.planning
+        """The problem that a race poses.
+
+        Raises:
+            PlanningError: the plan may not use enough thrust to hover.
+        """
+        track, settings, ratio = race.track, race.planning, race.planned.thrust_to_weight
+        if ratio <= 1:
+            hint = "raise planning.thrust_share" if settings.quadrotor is None else "give planning.quadrotor stronger rotors"
+            raise PlanningError(track.name, None, f"the plan may use a thrust-to-weight of {ratio:.2f} and cannot hover; {hint}")
         floor = track.floor if settings.floor is None else settings.floor
         return cls(
             track=track.name,

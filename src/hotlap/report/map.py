@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hotlap.reference import Reference
 from hotlap.report.labels import group, number
 from hotlap.segmentation import SegmentClass, Segments
+from hotlap.track import Track
 
 Floats = NDArray[np.float64]
 
@@ -130,18 +131,33 @@ def draw_map(
         colour: by ANSI codes, for terminals that know them.
     """
     width, path = max(width, 30), reference.position[: reference.planned_rows]
+    kinds = segments.at(reference.times[: len(path)])
+    lines = _draw_views(path, kinds, gate_positions, segments, width, height, colour=colour)
+    lines += ["", *_list_segments(segments, width, colour=colour)]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def draw_track(track: Track, *, width: int = 78, height: int = 22) -> str:
+    """A track from above and from the side, to the same scale: straight lines from the start through the gates, numbered, to the end."""
+    path = np.vstack([track.start, track.waypoints])
+    one = Segments(np.zeros(1), (SegmentClass.FLAT,), 1.0)
+    lines = _draw_views(path, np.zeros(len(path), dtype=np.int64), track.gate_positions, one, max(width, 30), height, colour=False)
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _draw_views(
+    path: Floats, kinds: NDArray[np.int64], gate_positions: Floats, segments: Segments, width: int, height: int, *, colour: bool
+) -> list[str]:
+    """Both views, with their titles; segments of shape (rows,) draw the path."""
     points = np.vstack([path, gate_positions])
     layout = _arrange(points, width, max(height, 8))
-    kinds = segments.at(reference.times[: len(path)])
     views = []
     for up, rows in zip((1 - layout.across, 2), layout.rows, strict=True):
         canvas = _Canvas.blank(layout.columns, rows)
         canvas.draw(*_dense(layout.dots(path, up, rows), kinds))
         _write_gates(canvas, layout.dots(path[:1], up, rows)[0], layout.dots(gate_positions, up, rows))
         views.append([_title(points, layout, up), *canvas.lines(segments, colour=colour)])
-    lines = _beside(views[0], views[1], layout.columns) if layout.beside else [*views[0], *views[1]]
-    lines += ["", *_list_segments(segments, width, colour=colour)]
-    return "\n".join(line.rstrip() for line in lines)
+    return _beside(views[0], views[1], layout.columns) if layout.beside else [*views[0], *views[1]]
 
 
 def _arrange(points: Floats, width: int, height: int) -> _Layout:

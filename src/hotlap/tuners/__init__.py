@@ -1,11 +1,16 @@
-"""Tuners by name: one algorithm, one file; `build` makes one."""
+"""Tuners by name: one algorithm, one file; `build` makes one.
+
+One of your own is a class in a module of your own, laid out as those here: `my_module.MyTuner`, made as `MyTuner(name, settings)`, and
+beside it `PRESETS`, names and settings.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from typing import Any
 
-from hotlap.errors import UnknownNameError
+from hotlap.errors import InputError, UnknownNameError
 from hotlap.tuners import (
     bayesian,
     cma_es,
@@ -64,20 +69,31 @@ def build(name: str) -> Tuner:
     """A tuner, not yet started.
 
     Args:
-        name: `ALGORITHM` or `ALGORITHM:PRESET`; the preset may be `default`.
+        name: `ALGORITHM` or `ALGORITHM:PRESET`; the preset may be `default`. An algorithm with a dot is a class to import.
 
     Raises:
         UnknownNameError: with the names that there are.
+        InputError: a class that cannot be imported.
     """
     algorithm, separator, preset = name.partition(":")
-    if algorithm not in _ALGORITHMS:
+    if algorithm not in _ALGORITHMS and "." not in algorithm:
         raise UnknownNameError("tuner", name, (*_ALGORITHMS, *names()), "--tuner")
-    make, presets = _ALGORITHMS[algorithm]
+    make, presets = _ALGORITHMS[algorithm] if algorithm in _ALGORITHMS else _import(algorithm)
     if not separator or preset == "default":
         preset = next(iter(presets))
     if preset not in presets:
         raise UnknownNameError(f"preset of {algorithm}", preset, (*presets, "default"), "--tuner")
     return make(f"{algorithm}:{preset}", presets[preset])
+
+
+def _import(path: str) -> tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]:
+    """A class and its presets from a module outside of hotlap."""
+    place, _, name = path.rpartition(".")
+    try:
+        module = import_module(place)
+        return getattr(module, name), module.PRESETS
+    except (ImportError, AttributeError, TypeError, ValueError) as error:
+        raise InputError("--tuner", "", f"{path} cannot be imported: {error}") from None
 
 
 __all__ = ["DEFAULT", "Tuner", "build", "names"]

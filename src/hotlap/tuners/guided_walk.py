@@ -72,6 +72,8 @@ PRESETS: Mapping[str, Settings] = {
 class GuidedWalk:
     """A walk that remembers every flight. Each `ask` gives one proposal, the same one until it is told."""
 
+    learns_from_any = True
+
     def __init__(self, name: str, settings: Settings) -> None:
         self.name, self.settings = name, settings
 

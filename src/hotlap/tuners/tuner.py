@@ -20,6 +20,8 @@ class Tuner(Protocol):
     Attributes:
         name: algorithm and preset, as `tuners.build` takes it.
         settings: frozen dataclass of plain values.
+
+    A tuner may say `learns_from_any = True`: `tell` takes any parameters in any number, also such as it did not ask for.
     """
 
     name: str

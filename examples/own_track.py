@@ -1,0 +1,26 @@
+"""A track of your own: gates in order, planned in minimum time, flown and tuned."""
+
+import numpy as np
+
+from hotlap import BuiltIn, Objective, Tuning, TuningSettings, load_race, prepare, tune, tuners
+from hotlap.track import Gate, Track
+
+turns = np.linspace(0, 2 * np.pi, 9)[1:]
+gates = np.stack([9 * np.sin(turns), 9 - 9 * np.cos(turns), 1.5 + np.sin(2 * turns)], axis=1).round(2)
+track = Track(
+    name="bowl",
+    start=(0.0, 0.0, 1.5),
+    gates=tuple(Gate(position=(x, y, z)) for x, y, z in gates.tolist()),
+    end=(4.0, 0.0, 2.0),  # where the plan ends, behind the last gate; it does not count
+    floor=0.0,
+)
+race = load_race("circle-34").model_copy(update={"name": "bowl", "track": track})
+
+course = prepare(race)
+reference = course.reference
+print(f"planned: {reference.lap_time:.2f} s, up to {reference.max_speed:.1f} m/s; segments: {', '.join(course.segments.classes)}")
+run = Tuning(tuners.build("guided_walk"), course, TuningSettings(budget=200, validation=100))
+for batch in tune(Objective(course, BuiltIn()), run):
+    if batch.done:
+        print(f"confirmed: {batch.best.confirmed}, after {batch.search_flights} search flights; lap {batch.best.lap_time:.2f} s")
+        print(batch.best.parameters.round(1))

@@ -1,0 +1,33 @@
+"""`hotlap export DIR`: a study's parameters, or its flights, in the files of other programs."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from hotlap.cli.inputs import check_target
+from hotlap.cli.output import note, present
+from hotlap.export import FORMATS, export
+from hotlap.study import Study
+
+HINTS = {
+    "rpg_mpc": "one list entry for each segment; what rpg_mpc does not read is said in the file",
+    "acados": "W and W_e of each segment, and the code that sets them stage by stage",
+    "toml": "hotlap fly RACE --parameters FILE",
+    "optuna": "optuna-dashboard sqlite:///FILE",
+}
+
+
+def run(options: Namespace) -> int:
+    """Write them."""
+    check_target(options.out)
+    with Study.read(options.folder) as study:
+        files = export(study, options.format, options.out)
+        race, result = study.configuration.course.race.name, study.result
+    confirmed = result is not None and result.best.confirmed
+    if FORMATS[options.format].finished and not confirmed:
+        note(f"note: {options.folder}: these parameters were not confirmed: they did not reach the goal in all re-flights")
+    hint = HINTS.get(options.format, "").replace("FILE", str(files[0])).replace("RACE", race)
+    document = {"race": race, "format": options.format, "files": [str(file) for file in files], "confirmed": confirmed}
+    lines = [f"wrote {', '.join(map(str, files))}{': ' if hint else ''}{hint}"]
+    present(as_json=options.json, document=document, lines=lines)
+    return 0

@@ -1,0 +1,215 @@
+"""HotlapSampler: any of hotlap's tuners as a sampler of Optuna."""
+
+from __future__ import annotations
+
+import random
+import threading
+import time
+import zlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from optuna.distributions import BaseDistribution
+from optuna.samplers import BaseSampler, RandomSampler
+from optuna.search_space import intersection_search_space
+from optuna.study import Study, StudyDirection
+from optuna.trial import FrozenTrial, TrialState
+
+from hotlap import tuners
+from hotlap.optuna.box import Box
+from hotlap.optuna.run import KEY, Note, Origin, Run, cost_of
+from hotlap.records import Scores
+
+SEED = "hotlap:seed"  # of a study, in its storage
+POINT = "hotlap:point"  # that a trial under way tries
+TRIES, WAIT = 50, 0.01  # s: to take a point that no other process takes
+
+
+class HotlapSampler(BaseSampler):
+    """A sampler for numbers, `suggest_float` and `suggest_int`, on a grid or in logarithms; for one objective.
+
+    The first trials are drawn at random; the tuner then begins at the best of them (give your own with `study.enqueue_trial`). What is
+    no number, and what is not in every trial, is drawn at random throughout. A trial that fails or is pruned counts as worse than any.
+
+    All that it knows is in the study's storage: another process goes on as this one would have, and several may work at once.
+    With trials in parallel, the guided walk learns from all of them, and takes those under way to be average. The other tuners
+    depend on the order in which they are told: trials that run at the same time belong to one ask of up to `batch` points, and where
+    all of these are under way, to another run of the tuner, which begins at the best trial of that time.
+
+    Args:
+        tuner: NAME or NAME:PRESET, as of `hotlap tune --tuner`.
+        seed: of all chance; None: the study's, or a new one that is kept in the study.
+        startup: complete trials before the tuner begins, at least 1.
+        batch: most points that a tuner is asked for at once; those that learn from every trial take one.
+        independent_sampler: for what the tuner does not sample; None: at random.
+
+    Raises:
+        UnknownNameError: there is no such tuner.
+    """
+
+    def __init__(
+        self,
+        tuner: str = tuners.DEFAULT,
+        *,
+        seed: int | None = None,
+        startup: int = 5,
+        batch: int = 8,
+        independent_sampler: BaseSampler | None = None,
+    ) -> None:
+        if startup < 1 or batch < 1:
+            raise ValueError(f"startup and batch must be at least 1, not {startup} and {batch}")
+        built = tuners.build(tuner)
+        self._tuner, self._learns_from_any = built.name, bool(getattr(built, "learns_from_any", False))
+        self._seed, self._startup, self._batch, self._independent = seed, startup, batch, independent_sampler
+        self._runs: dict[tuple[int, Origin], Run] = {}
+        self._lock = threading.Lock()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_runs": {}, "_lock": None}  # runs are brought up to date from the study
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._lock = threading.Lock()
+
+    def infer_relative_search_space(self, study: Study, trial: FrozenTrial) -> dict[str, BaseDistribution]:
+        """Numbers that were in all complete trials so far; none before there are enough of them.
+
+        Raises:
+            ValueError: the study has several objectives.
+        """
+        if len(study.directions) != 1:
+            raise ValueError(f"HotlapSampler is for one objective; the study has {len(study.directions)}")
+        complete = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
+        if len(complete) < self._startup or "fixed_params" in trial.system_attrs:
+            return {}
+        return {axis.name: axis.distribution for axis in Box.of(intersection_search_space(complete)).axes}
+
+    def sample_relative(self, study: Study, trial: FrozenTrial, search_space: dict[str, BaseDistribution]) -> dict[str, Any]:
+        """What the tuner asks for next."""
+        box = Box.of(search_space)
+        if not box.axes:
+            return {}
+        with self._lock:
+            trials, sign = study.get_trials(deepcopy=False), _sign(study)
+            costs = {each.number: cost_of(each, sign) for each in trials if each.number != trial.number and box.holds(each.params)}
+            if not np.isfinite(list(costs.values())).any():
+                return {}
+            return self._from_all(study, trial, box, costs) if self._learns_from_any else self._from_runs(study, trial, box, costs)
+
+    def sample_independent(self, study: Study, trial: FrozenTrial, param_name: str, param_distribution: BaseDistribution) -> Any:
+        """A draw that depends on the seed, the trial and the parameter alone."""
+        sampler = self._independent or RandomSampler(_small([self._seed_of(study), trial.number, zlib.crc32(param_name.encode())]))
+        return sampler.sample_independent(study, trial, param_name, param_distribution)
+
+    def reseed_rng(self) -> None:
+        """Nothing of its own: no two trials share their chance."""
+        if self._independent is not None:
+            self._independent.reseed_rng()
+
+    def before_trial(self, study: Study, trial: FrozenTrial) -> None:
+        """Pass on to the independent sampler."""
+        if self._independent is not None:
+            self._independent.before_trial(study, trial)
+
+    def after_trial(self, study: Study, trial: FrozenTrial, state: TrialState, values: Sequence[float] | None) -> None:
+        """Pass on to the independent sampler."""
+        if self._independent is not None:
+            self._independent.after_trial(study, trial, state, values)
+
+    def _from_all(self, study: Study, trial: FrozenTrial, box: Box, costs: dict[int, float]) -> dict[str, Any]:
+        """Tell a new tuner of every trial, and take its first proposal."""
+        trials = study.get_trials(deepcopy=False)
+        points = [box.encode(trials[number].params) for number, cost in costs.items() if not np.isnan(cost)]
+        known = _normalised(np.array([cost for cost in costs.values() if not np.isnan(cost)]))
+        under_way = [point for each in trials if each.number != trial.number and (point := _tries(each, box)) is not None]
+        lies = np.full(len(under_way), np.median(known[np.isfinite(known)]))
+        tuner = tuners.build(self._tuner)
+        tuner.start(points[int(np.argmin(known))], box.space, np.random.default_rng([self._seed_of(study), trial.number]))
+        tuner.tell(np.array(points + under_way), Scores.of_costs(np.append(known, lies)))
+        proposal = tuner.ask(1)[0]
+        study._storage.set_trial_system_attr(trial._trial_id, POINT, [box.fingerprint, proposal.tolist()])  # noqa: SLF001  as all samplers do
+        return box.decode(proposal)
+
+    def _from_runs(self, study: Study, trial: FrozenTrial, box: Box, costs: dict[int, float]) -> dict[str, Any]:
+        """The next point of a run that waits for nothing, or of a new run; noted in the trial.
+
+        Storages have no way to take a point before others can. So it is noted, then looked for at others; whoever finds it there
+        looks for another point, after a while.
+        """
+        for attempt in range(TRIES):
+            note, point = self._next(study, trial, box, costs)
+            study._storage.set_trial_system_attr(trial._trial_id, KEY, note.dump())  # noqa: SLF001  as all samplers do
+            others = (Note.of(each) for each in study.get_trials(deepcopy=False) if each.number != trial.number)
+            if all(other is None or other.point != note.point for other in others):
+                return box.decode(point)
+            time.sleep(random.random() * WAIT * (attempt + 1))
+        study._storage.set_trial_system_attr(trial._trial_id, KEY, None)  # noqa: SLF001
+        return {}
+
+    def _next(self, study: Study, trial: FrozenTrial, box: Box, costs: dict[int, float]) -> tuple[Note, Any]:
+        """The first point that no other trial bears a note of."""
+        trials, sign = study.get_trials(deepcopy=False), _sign(study)
+        tried: dict[Origin, dict[tuple[int, int], tuple[FrozenTrial, float]]] = {}
+        last = -1
+        for each in trials:
+            note = Note.of(each)
+            if note is None or each.number == trial.number:
+                continue
+            last = max(last, note.origin.run)
+            if (note.origin.tuner, note.origin.space) == (self._tuner, box.fingerprint):
+                tried.setdefault(note.origin, {}).setdefault((note.ask, note.place), (each, cost_of(each, sign)))
+        for origin, mine in tried.items():
+            found = self._run(study, origin, box, trials).next(mine)
+            if found is not None:
+                return found
+        found = self._run(study, self._begin(study, last + 1, box, costs), box, trials).next({})
+        assert found is not None, "a new run has something to try"  # noqa: S101  our own mistake
+        return found
+
+    def _run(self, study: Study, origin: Origin, box: Box, trials: Sequence[FrozenTrial]) -> Run:
+        """A run as far as this process has followed it."""
+        key = study._study_id, origin  # noqa: SLF001  names repeat from storage to storage
+        if key not in self._runs:
+            self._runs[key] = Run(origin, box, trials[origin.trial].params)
+        return self._runs[key]
+
+    def _begin(self, study: Study, run: int, box: Box, costs: dict[int, float]) -> Origin:
+        """A new run, from the best trial."""
+        best = min(costs, key=lambda number: (np.nan_to_num(costs[number], nan=np.inf), number))
+        finite = np.array([cost for cost in costs.values() if np.isfinite(cost)])
+        spread = float(np.median(finite - finite.min())) or float(np.ptp(finite)) or abs(costs[best]) or 1.0
+        return Origin(run, self._tuner, box.fingerprint, self._seed_of(study), self._batch, best, costs[best], spread)
+
+    def _seed_of(self, study: Study) -> int:
+        """The seed of a study: given, or kept in its storage; kept there from now on."""
+        storage, place = study._storage, study._study_id  # noqa: SLF001  as all samplers do
+        kept = storage.get_study_system_attrs(place).get(SEED)
+        seed = self._seed if self._seed is not None else kept
+        seed = _small(None) if seed is None else seed
+        if seed != kept:
+            storage.set_study_system_attr(place, SEED, seed)
+        return seed
+
+
+def _sign(study: Study) -> float:
+    return -1.0 if study.direction == StudyDirection.MAXIMIZE else 1.0
+
+
+def _small(entropy: Sequence[int] | None) -> int:
+    """A seed that any library takes."""
+    return int(np.random.SeedSequence(entropy).generate_state(1)[0])
+
+
+def _normalised(costs: np.ndarray) -> np.ndarray:
+    """Costs from 0, with the median at 10, whatever their unit: tuners take logarithms of 1 + cost."""
+    finite = costs[np.isfinite(costs)]
+    away = costs - finite.min()
+    spread = float(np.median(away[np.isfinite(away)])) or float(np.ptp(finite)) or 1.0
+    return 10.0 * away / spread
+
+
+def _tries(trial: FrozenTrial, box: Box) -> np.ndarray | None:
+    """The point of this box that a trial tries at the moment, shape (1, K)."""
+    space, point = trial.system_attrs.get(POINT, ("", None))
+    return np.array(point) if trial.state is TrialState.RUNNING and space == box.fingerprint else None

@@ -1,0 +1,58 @@
+"""A tuner of one's own is found by the path of its class, and runs as the built-in ones do."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+from fake_world import FakeWorld, make_course
+from hotlap import tuners
+from hotlap.configuration import Configuration
+from hotlap.errors import InputError, UnknownNameError
+from hotlap.objective import Objective
+from hotlap.scoring import Metric
+from hotlap.study import Study, carry_out
+from hotlap.tuning import TuningSettings
+
+MODULE = '''
+from hotlap.tuners.random_search import PRESETS, RandomSearch
+
+class Mine(RandomSearch):
+    """One of my own."""
+'''
+
+
+@pytest.fixture
+def module(tmp_path, monkeypatch):
+    (tmp_path / "my_tuners_of_a_test.py").write_text(MODULE)
+    monkeypatch.syspath_prepend(tmp_path)
+    yield "my_tuners_of_a_test"
+    sys.modules.pop("my_tuners_of_a_test", None)
+
+
+def test_presets_are_found_as_those_of_built_in_tuners(module):
+    assert tuners.build(f"{module}.Mine").name == f"{module}.Mine:paper"
+    assert tuners.build(f"{module}.Mine:default").settings == tuners.build("random_search").settings
+    assert tuners.build(f"{module}.Mine:uniform").settings == tuners.build("random_search:uniform").settings
+    with pytest.raises(UnknownNameError, match=r"no preset of .*Mine named 'papr' \(did you mean paper\?\)"):
+        tuners.build(f"{module}.Mine:papr")
+
+
+def test_it_has_studies_that_are_resumed(module, tmp_path):
+    course = make_course()
+    name = tuners.build(f"{module}.Mine").name
+    asked = Configuration(course, "fake", Metric.TIME, name, TuningSettings(budget=12, validation=0), course.space.first_guess(2))
+    with Study.open(tmp_path / "study", asked) as study:
+        result = carry_out(study, Objective(course, FakeWorld(reach=50.0)))
+    with Study.read(tmp_path / "study") as study:
+        assert study.tuning.tuner.name == result.tuner == name
+        assert np.array_equal(study.result.best.parameters, result.best.parameters)
+
+
+@pytest.mark.parametrize("name", ["no_such_module_at_all.Mine", "json.Mine", "json.dumps", ".Mine", "json."])
+def test_what_cannot_be_imported_is_one_line(name):
+    with pytest.raises(InputError, match=r"--tuner: .* cannot be imported: ") as caught:
+        tuners.build(name)
+    assert "\n" not in str(caught.value)
