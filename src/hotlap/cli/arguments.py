@@ -10,11 +10,11 @@ from hotlap.cli.parser import Parser, fraction, one_of, path, whole
 
 KINDS = ("race", "track", "quadrotor")
 RULES = ("paper", "released_1m", "released_3m", "none", "equal_time")
-FORMATS = ("rpg_mpc", "acados", "json", "toml", "csv", "optuna")
+EXPORTS = ("rpg_mpc", "acados", "json", "toml", "csv", "optuna")
 GUESSES = ("learned", "paper", "default")
 REPRODUCED = Path("runs/reproduced")
 EXPERIMENTS = ("table1", "table2", "table3", "landscape", "experts", "robustness", "initialisations")
-FORMATS = ("png", "pdf", "svg")
+PICTURES = ("png", "pdf", "svg")
 GOALS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
 
 
@@ -136,8 +136,14 @@ def _report(parser: Parser) -> None:
     add = parser.add_argument
     _study(parser)
     add("--figures", action="store_true", help="draw every figure of the page as well, each into a file of its own")
-    formats = one_of("format", FORMATS)
-    add("--format", type=formats, default=FORMATS[0], metavar="NAME", help=f"of the figures: {', '.join(FORMATS)} (default: {FORMATS[0]})")
+    formats = one_of("format", PICTURES)
+    add(
+        "--format",
+        type=formats,
+        default=PICTURES[0],
+        metavar="NAME",
+        help=f"of the figures: {', '.join(PICTURES)} (default: {PICTURES[0]})",
+    )
     add("--video", type=path, metavar="FILE", help="the flight as a moving picture: .gif or .mp4")
 
 
@@ -205,8 +211,8 @@ def _reproduce(parser: Parser) -> None:
 
 def _export(parser: Parser) -> None:
     parser.add_argument("folder", metavar="DIR", type=path, help="folder of a study, as hotlap tune made it")
-    formats = one_of("format", FORMATS)
-    parser.add_argument("--format", type=formats, required=True, metavar="NAME", help=", ".join(FORMATS))
+    formats = one_of("format", EXPORTS)
+    parser.add_argument("--format", type=formats, required=True, metavar="NAME", help=", ".join(EXPORTS))
     parser.add_argument("--out", type=path, metavar="FILE", help="file to write (default: one in DIR)")
 
 
