@@ -40,8 +40,8 @@ def samples(found: Samples, space: ParameterSpace, best: Floats, title: str) -> 
             if row == column:
                 _draw_marginal(axes, found, values[:, row], space, row)
             else:
-                _draw_pair(axes, found, values[:, [column, row]], marked[[column, row]])
                 _scale(axes, space, row, up=True)
+                _draw_pair(axes, found, values[:, [column, row]], marked[[column, row]])
             _label(axes, space, row, column)
     several = found.parameters.shape[1] > 1
     detail = f"{len(found)} search flights{', mean over segments in logarithms' if several else ''}; axes from bound to bound"
