@@ -13,7 +13,7 @@ from hotlap.report.markup import table as table_of
 from hotlap.report.style_sheet import STYLE
 
 KINDS = {".png": "image/png", ".svg": "image/svg+xml"}
-_NUMBER = re.compile(r"[-+]?[\d.]+( ?[%(\[/].*)?|-|nan", re.DOTALL)
+_NUMBER = re.compile(r"([-+]?[\d.]+( ?[%(\[/].*)?|-( \[.*)?)?", re.DOTALL)
 _MARKS = re.compile(r"`(?P<code>[^`]+)`|\*\*(?P<strong>\S[^*]*)\*\*|\*(?P<em>[^*\s][^*]*)\*")
 
 
@@ -61,9 +61,9 @@ class Table:
 
     def html(self) -> str:
         """An element; columns of numbers are aligned to the right."""
-        columns = zip(*self.rows, strict=True)
-        words = [not all(_NUMBER.fullmatch(cell.strip()) for cell in column) for column in columns]
-        return table_of(self.heads, self.rows, words=max((j + 1 for j, are in enumerate(words) if are), default=1))
+        columns = enumerate(zip(*self.rows, strict=True))
+        numbers = [j for j, column in columns if all(_NUMBER.fullmatch(cell.strip()) for cell in column)]
+        return table_of(self.heads, self.rows, numbers=numbers)
 
 
 @dataclass(frozen=True)

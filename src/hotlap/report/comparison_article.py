@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hotlap.analysis.comparison import Run
-from hotlap.analysis.comparison_table import cells_of, overall, rows_of
+from hotlap.analysis.comparison_table import Row, cells_of, overall, rows_of
 from hotlap.report.article import Article
 
 CAPTIONS = {
@@ -32,13 +32,18 @@ def describe_comparison(runs: Sequence[Run], pictures: Sequence[Path], source: s
         "which that controller then met the goal. In brackets: 95 % intervals, for flights the quartiles."
     )
     article.head("Over all races")
-    heads, *rows = cells_of(overall(runs))
-    article.table(heads, rows)
+    _add_table(article, overall(runs))
     for path in pictures:
         article.picture(path, CAPTIONS.get(path.stem, path.stem))
     article.head("Race by race")
-    heads, *rows = cells_of(rows_of(runs))
-    article.table(heads, rows)
+    _add_table(article, rows_of(runs))
     article.head("Run it again")
     article.say(f"`{command}`")
     return article
+
+
+def _add_table(article: Article, rows: Sequence[Row]) -> None:
+    """Rows without the columns that say nothing."""
+    columns = [column for column in zip(*cells_of(rows), strict=True) if any(column[1:])]
+    heads, *body = zip(*columns, strict=True)
+    article.table(heads, body)

@@ -20,7 +20,7 @@ table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tab
 th, td { padding: 0.3rem 0.9rem 0.3rem 0; text-align: left; border-bottom: 1px solid var(--line); white-space: nowrap; }
 thead th { color: var(--quiet); font-weight: 500; }
 tbody th { font-weight: 500; }
-td.number { text-align: right; }
+th.number, td.number { text-align: right; }
 @media print {
   :root { --ink: #000000; --quiet: #444444; --line: #bbbbbb; --paper: #ffffff; }
   main { max-width: none; padding: 0; }
