@@ -9,6 +9,7 @@ from hotlap import worlds
 from hotlap.cli.flying import make_ready
 from hotlap.cli.inputs import check_target
 from hotlap.cli.output import Line, facts, present, working
+from hotlap.cli.progress import follow_pieces
 from hotlap.study import Study
 from hotlap.worlds.world import World
 
@@ -60,8 +61,7 @@ def _film(path: Path, study: Study, world: World) -> None:
     from hotlap.report.film.film import write_film  # noqa: PLC0415  matplotlib again
     from hotlap.report.page.standing import read_standing  # noqa: PLC0415
 
-    with working("recording the video"):
-        write_film(path, read_standing(study), world)
+    write_film(path, read_standing(study), world, follow_pieces)
 
 
 def _lines(page: Path, figures: tuple[Path, ...], video: Path | None) -> list[Line]:
