@@ -62,6 +62,7 @@ def module(name: str, **contents) -> ModuleType:
 
 
 def draw_comparison(folder, _):
+    (folder / "curves.svg").write_text("<svg/>", encoding="utf-8")
     return (folder / "curves.svg",)
 
 

@@ -33,6 +33,16 @@ def test_it_prints_a_row_for_each_tuner_and_writes_the_table(hotlap, here):
     assert len((here / "c" / "runs.jsonl").read_text(encoding="utf-8").splitlines()) == 6
 
 
+def test_it_writes_a_page_that_needs_nothing_else(hotlap, here):
+    ran = hotlap(*ASKED)
+    assert "c/comparison.html\n" in ran.out
+    page = (here / "c" / "comparison.html").read_text(encoding="utf-8")
+    assert page.count("<td>random_search:paper</td>") + page.count(">random_search:paper</th>") == 2
+    assert page.count('src="data:image/svg+xml;base64,') == 1
+    assert f"<code>hotlap {' '.join(ASKED)}</code>" in page
+    assert hotlap(*ASKED, "--json").document["page"] == "c/comparison.html"
+
+
 def test_the_document_has_what_is_promised(hotlap):
     document = hotlap(*ASKED, "--json").document
     assert {"races", "tuners", "budget", "rows", "overall"} <= set(document)

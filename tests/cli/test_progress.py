@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hotlap.cli.output import finite, percent, table
-from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe
+from hotlap.cli.output import finite, percent, table, working
+from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe, follow_pieces, pace
 from hotlap.tuning import Candidate
 from hotlap.validation import Validation
 
@@ -71,3 +71,28 @@ def test_runs_are_counted_and_said_now_and_then_and_at_the_end(capsys):
         "3 of 4 runs, now drop-20 by cma_es:log, 26.7 flights/s",
         "4 of 4 runs, now drop-20 by cma_es:log, 30 flights/s",
     ]
+
+
+@pytest.mark.parametrize(("speed", "text"), [(None, "-/s"), (0.0, "-/s"), (12.345, "12.3/s"), (1.0, "1/s"), (0.05, "3/min")])
+def test_slow_work_is_counted_by_the_minute(speed, text):
+    assert pace(speed) == text
+
+
+def test_a_terminal_gets_a_bar_with_rate_and_time_left(monkeypatch, capsys):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "120")
+    with follow_pieces("runs", 4, 1) as say:
+        say("circle-34")
+        say("flip-16")
+    shown = capsys.readouterr().err
+    assert "runs" in shown
+    assert "3/4" in shown
+    assert "/s" in shown or "/min" in shown
+    assert "flip-16" in shown
+
+
+def test_what_has_no_end_in_sight_gets_a_clock(monkeypatch, capsys):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with working("planning [x]"):
+        pass
+    assert "planning [x] ..." in capsys.readouterr().err

@@ -74,3 +74,10 @@ def test_bad_input_is_one_clear_line(hotlap, line, said):
 )
 def test_the_command_that_repeats_a_study_names_no_folder(arguments, command):
     assert repeating(arguments) == command
+
+
+def test_a_video_that_needs_what_is_not_there_is_refused_before_anything_is_flown(hotlap, monkeypatch):
+    monkeypatch.setattr("hotlap.report.film.recording.find_ffmpeg", lambda: "")
+    ran = hotlap("report", "missing", "--video", "lap.mp4")
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err.startswith("hotlap: lap.mp4: needs ffmpeg")

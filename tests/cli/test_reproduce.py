@@ -31,6 +31,10 @@ def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, ca
     assert page.startswith("# ")
     assert "nan" not in page
     assert re.search(r"^\|.*\|$", page, re.MULTILINE)
+    web = (tmp_path / f"{name}-quick" / "page.html").read_text(encoding="utf-8")
+    assert first["html"] == str(tmp_path / f"{name}-quick" / "page.html")
+    assert web.count("<img") == web.count('src="data:image/png;base64,') == len(first["pictures"])
+    assert "<table>" in web
     pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", page)
     assert [str(tmp_path / f"{name}-quick" / picture) for picture in pictures] == first["pictures"]
     for picture in pictures:

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from plausible_world import OPTIMUM, PlausibleWorld
+from studies import begin, carry, configure
 
 from fake_world import make_course
+from hotlap.analysis.sensitivity import survey_sensitivity
 from hotlap.configuration import Configuration
 from hotlap.course import Course
 from hotlap.errors import InputError
@@ -23,9 +25,9 @@ from hotlap.race import JudgeSettings, Rule
 from hotlap.records import End, Log
 from hotlap.report import figures
 from hotlap.report.demonstration import choose, demonstrate
-from hotlap.report.history import compare, recount
+from hotlap.report.history import collect, compare, recount
 from hotlap.report.map import CLASS_CODES
-from hotlap.report.pictures import FORMATS, draw, draw_plan, save
+from hotlap.report.pictures import FORMATS, draw, draw_everything, draw_plan, save
 from hotlap.report.scene import stage
 from hotlap.report.style import CLASS_COLOURS, styled
 from hotlap.scoring import Metric
@@ -287,3 +289,38 @@ def test_an_error_above_the_chart_is_written():
     scene = show(course, 60.0, 1)
     assert scene.traces[1].error[-1] > 2.3
     assert f"at {scene.traces[1].error[-1]:.1f} m" in texts(figures.tracking_error(scene))
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_everything_is_drawn_in_the_format_that_is_asked_for(tmp_path, kind):
+    configuration = configure(budget=12, goal="none")
+    carry(tmp_path, configuration)
+    with Study.read(tmp_path) as study:
+        files = draw_everything(tmp_path, study, PlausibleWorld(), kind, flights=4)
+    assert [path.name for path in files] == [f"{name}.{kind}" for name in (*NAMES, "inputs", "sensitivity", "samples")]
+    assert all(path.read_bytes().startswith(SIGNATURES[kind]) for path in files)
+
+
+def test_everything_of_a_study_without_flights_is_drawn(tmp_path):
+    begin(tmp_path, configure())
+    with Study.read(tmp_path) as study:
+        assert len(draw_everything(tmp_path, study, PlausibleWorld(crash=True), "png", flights=1)) == 7
+
+
+def test_inputs_have_their_units_and_limits_and_say_how_long_they_are_at_one():
+    course = make_course()
+    scene = show(course, 20.0, 2)
+    commands = np.tile([course.race.controller.thrust[1], 0, 0, 0], (len(scene.traces[0].times), 1))
+    scene = replace(scene, traces=(replace(scene.traces[0], commands=commands), *scene.traces[1:]))
+    drawn = texts(figures.inputs(scene, course))
+    assert all(words in drawn for words in ("[m/s²]", "[rad/s]", "[N]", "rotor 3", "100 % of the time", "0 % of the time"))
+
+
+def test_samples_and_sensitivity_name_every_parameter(tmp_path):
+    standing = carry(tmp_path, configure(budget=12, goal="none"))
+    course, best = standing.configuration.course, standing.best
+    looked = collect(standing.ledger, parse_goal("none"))
+    found = survey_sensitivity(course, PlausibleWorld(), best, 0, flights=2)
+    change = compare(course.space, course.segments, best, best, 0.5)
+    for drawn in (texts(figures.samples(looked, course.space, best, "x")), texts(figures.sensitivity(found, change, "x"))):
+        assert all(name in drawn for name in course.space.names)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,8 @@ from hotlap.seeds import Stream, flight_seeds
 from hotlap.worlds.world import World
 
 Floats = NDArray[np.float64]
+
+TOGETHER = 2000  # flights in a batch, so that every thread has its share
 
 
 @dataclass(frozen=True)
@@ -47,17 +49,30 @@ def axes(course: Course, wanted: Landscape) -> tuple[Floats, Floats]:
     return np.geomspace(*ends[0], wanted.points), np.geomspace(*ends[1], wanted.points)
 
 
-def survey(course: Course, world: World, wanted: Landscape) -> Floats:
-    """Mean completion, 0 to 1, shape (points, points): a row for each y, a column for each x."""
+def survey(course: Course, world: World, wanted: Landscape, watch: Callable[[str], None] = lambda _: None) -> Floats:
+    """Mean completion, 0 to 1, shape (points, points): a row for each y, a column for each x.
+
+    Args:
+        course: what is flown.
+        world: where.
+        wanted: which map.
+        watch: called with a few words after each row.
+    """
     space = course.space
     x, y = axes(course, wanted)
     grid = np.tile(np.array(wanted.held) if wanted.held else space.default, (wanted.points, wanted.points, 1))
     grid[:, :, space.names.index(wanted.x)] = x
     grid[:, :, space.names.index(wanted.y)] = y[:, None]
-    flat = np.repeat(grid.reshape(-1, 1, space.size), len(course.segments), axis=1)
-    seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, wanted.flights), len(flat))
-    completion = Objective(course, world).fly(np.repeat(flat, wanted.flights, axis=0), seeds).completion
-    return completion.reshape(wanted.points, wanted.points, wanted.flights).mean(axis=2)
+    objective, parts = Objective(course, world), []
+    together = max(1, TOGETHER // (wanted.points * wanted.flights))
+    for first in range(0, wanted.points, together):
+        flat = np.repeat(grid[first : first + together].reshape(-1, 1, space.size), len(course.segments), axis=1)
+        seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, wanted.flights), len(flat))
+        completion = objective.fly(np.repeat(flat, wanted.flights, axis=0), seeds).completion
+        parts.append(completion.reshape(-1, wanted.points, wanted.flights).mean(axis=2))
+        for value in y[first : first + together].tolist():
+            watch(f"{wanted.y} {value:.3g}")
+    return np.concatenate(parts)
 
 
 def draw_survey(wanted: Landscape) -> Iterator[list[list[float]]]:

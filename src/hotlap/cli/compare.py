@@ -19,14 +19,14 @@ from hotlap.cli.stopping import remark
 from hotlap.controllers import ControllerKind
 from hotlap.errors import HotlapError, InputError, StudyError
 from hotlap.executor import spread
-from hotlap.files import load_race
+from hotlap.files import load_race, replace
 from hotlap.goal import parse_goal
 from hotlap.preparation import prepare
 from hotlap.race import Race
 from hotlap.segmentation import Rule
 from hotlap.tuning import TuningSettings
 
-TABLE = "table.md"
+TABLE, PAGE = "table.md", "comparison.html"
 MOST_SEEDS = 100_000
 
 
@@ -42,6 +42,7 @@ def run(options: Namespace) -> int:
         keys = {cell.key: cell for cell in cells}
         runs = [kept.done[key, seed] for key, cell in keys.items() for seed in cell.seeds]
         pictures = _write(folder, runs)
+        page = _write_page(folder, runs, pictures, options)
     rows, summary = rows_of(runs), overall(runs)
     document = {
         "races": list(dict.fromkeys(cell.race.name for cell in cells)),
@@ -51,11 +52,12 @@ def run(options: Namespace) -> int:
         "rows": [row.dump() for row in rows],
         "overall": [row.dump() for row in summary],
         "folder": str(folder),
+        "page": page,
         "pictures": [str(path) for path in pictures],
     }
     right = range(2, 9)
     lines = [*table(cells_of(rows), right=right), "", *table(cells_of(summary), right=right), "", f"{folder / TABLE}"]
-    present(as_json=options.json, document=document, lines=[*lines, *map(str, pictures)])
+    present(as_json=options.json, document=document, lines=[*lines, *([page] if page else []), *map(str, pictures)])
     return 0
 
 
@@ -131,3 +133,16 @@ def _write(folder: Path, runs: Sequence[Run]) -> tuple[Path, ...]:
     except (HotlapError, OSError) as error:
         note(f"note: no pictures: {error}")
         return ()
+
+
+def _write_page(folder: Path, runs: Sequence[Run], pictures: Sequence[Path], options: Namespace) -> str | None:
+    """The same as one page that opens anywhere."""
+    from hotlap.report.comparison_article import describe_comparison  # noqa: PLC0415  only where there is something to show
+
+    command = shlex.join(["hotlap", "compare", *options.arguments])
+    try:
+        replace(folder / PAGE, describe_comparison(runs, pictures, RunsFile.file, command).html)
+    except (HotlapError, OSError) as error:
+        note(f"note: no page: {error}")
+        return None
+    return str(folder / PAGE)

@@ -10,6 +10,7 @@ from hotlap.analysis.landscape import Landscape, axes, survey
 from hotlap.cli.flying import check_guess, load, make_ready, read_guess
 from hotlap.cli.inputs import PICTURES, check_range, check_target
 from hotlap.cli.output import facts, percent, present, working
+from hotlap.cli.progress import follow_pieces
 from hotlap.errors import UnknownNameError
 from hotlap.preparation import prepare
 from hotlap.segmentation import Rule
@@ -34,8 +35,8 @@ def run(options: Namespace) -> int:
     held = tuple(read_guess(options.first_guess, course)[0].tolist())
     wanted = Landscape(race, options.x, options.y, options.points, options.flights, held)
     make_ready(world, course)
-    with working(f"flying {race.name} {options.points**2 * options.flights} times"):
-        grid = survey(course, world, wanted)
+    with follow_pieces(f"rows of {options.points * options.flights} flights", options.points, 0) as say:
+        grid = survey(course, world, wanted, say)
     middle = dict(zip(names, held, strict=True))
     if options.out is not None:
         from hotlap.report.reproduction import draw_maps  # noqa: PLC0415  matplotlib takes half a second to load

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any, NoReturn
 
 from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
 Line = str | Text
@@ -53,13 +54,15 @@ def note(text: str) -> None:
 
 @contextmanager
 def working(text: str) -> Iterator[None]:
-    """Say what takes its time: a spinner on a terminal, else one line."""
+    """Say what takes its time: a spinner with a clock on a terminal, else one line."""
     console = Plain(stderr=True)
     if not console.is_terminal:
         note(f"{text} ...")
         yield
         return
-    with console.status(Text(f"{text} ...")):
+    words = TextColumn("{task.description}", markup=False)
+    with Progress(SpinnerColumn(), words, TimeElapsedColumn(), console=console, transient=True) as progress:
+        progress.add_task(f"{text} ...", total=None)
         yield
 
 

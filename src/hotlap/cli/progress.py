@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
+from rich.text import Text
 
 from hotlap.cli.output import Plain, note, percent
 from hotlap.tuning import Batch, Candidate
@@ -68,7 +69,7 @@ def follow_pieces(unit: str, wanted: int, done: int) -> Iterator[Callable[[str],
         yield Tally(unit, wanted, done).say
         return
     state = TextColumn("{task.fields[state]}", markup=False)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Pace(), TimeRemainingColumn(), state)
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(unit, total=wanted, completed=done, state="")
         yield lambda words: progress.update(task, advance=1, state=words)
@@ -80,6 +81,25 @@ def follow_runs(wanted: int, done: int) -> Iterator[Callable[[Run], None]]:
     counts = Flown()
     with follow_pieces("runs", wanted, done) as say:
         yield lambda run: say(counts(run))
+
+
+class Pace(ProgressColumn):
+    """How fast pieces of work are done."""
+
+    def render(self, task: Task) -> Text:
+        """As many in a second, or in a minute where that is less than one."""
+        return Text(pace(task.finished_speed or task.speed))
+
+
+def pace(speed: float | None) -> str:
+    """A rate for people.
+
+    Args:
+        speed: [1/s]; None before there is any.
+    """
+    if not speed:
+        return "-/s"
+    return f"{speed:.3g}/s" if speed >= 1 else f"{60 * speed:.3g}/min"
 
 
 class Tally:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
 from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
@@ -15,9 +16,10 @@ from hotlap.errors import InputError, StudyError
 from hotlap.files import replace
 from hotlap.reproduce.context import Context
 from hotlap.reproduce.experiments import EXPERIMENTS
+from hotlap.reproduce.page import Page
 from hotlap.worlds.built_in import BuiltIn
 
-PAGE = "page.md"
+PAGE, WEB = "page.md", "page.html"
 
 
 def run(options: Namespace) -> int:
@@ -34,10 +36,22 @@ def run(options: Namespace) -> int:
             note(f"{name}:")
             context = Context(folder / (f"{name}-quick" if options.quick else name), options.quick, options.jobs, follow_pieces)
             page = EXPERIMENTS[name](context)
-            path = context.folder / PAGE
-            replace(path, page.markdown)
-            pages.append((name, path, page))
-    document = {"experiments": {name: {"page": str(path), "pictures": [str(one) for one in page.pictures]} for name, path, page in pages}}
-    lines = [line for _, path, page in pages for line in (page.title, *(f"  {one}" for one in (path, *page.pictures)))]
+            paths = _write(context.folder, page)
+            pages.append((name, page, paths))
+    document = {"experiments": {name: _dump(page, paths) for name, page, paths in pages}}
+    lines = [line for _, page, paths in pages for line in (page.title, *(f"  {one}" for one in (*paths, *page.pictures)))]
     present(as_json=options.json, document=document, lines=lines)
     return 0
+
+
+def _write(folder: Path, page: Page) -> tuple[Path, Path]:
+    """The page in both its forms."""
+    paths = folder / PAGE, folder / WEB
+    for path, content in zip(paths, (page.markdown, page.html), strict=True):
+        replace(path, content)
+    return paths
+
+
+def _dump(page: Page, paths: tuple[Path, Path]) -> dict[str, Any]:
+    """What `--json` says of a page."""
+    return {"page": str(paths[0]), "html": str(paths[1]), "pictures": [str(one) for one in page.pictures]}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from hotlap.analysis.comparison import Run
 from hotlap.analysis.comparison_table import completion_band, profiles
 from hotlap.report.pictures import save
-from hotlap.report.style import NORMAL, SMALL, headline, place_axes, styled
+from hotlap.report.style import NORMAL, SMALL, headline, headline_width, place_axes, styled
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#222222")  # Okabe and Ito
 DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
@@ -24,6 +24,7 @@ WIDTH, HEIGHT, GAP = 2.5, 1.5, 0.5  # inches of a chart, and between charts
 LEFT, TOP, BOTTOM, KEY_LINE = 0.62, 0.75, 0.5, 0.18
 ACROSS = 4  # charts in a row
 BAND_UP_TO = 6  # tuners; bands of more would hide each other
+TITLE = "Tuners on equal terms"
 FACTORS = np.geomspace(1, 100, 200)
 
 
@@ -50,7 +51,10 @@ def curves(runs: Sequence[Run]) -> Figure:
     across = min(ACROSS, len(races))
     down = math.ceil(len(races) / across)
     key_height = KEY_LINE * (math.ceil(len(looks) / across) + 1)
-    figure = Figure(figsize=(LEFT + across * (WIDTH + GAP), TOP + down * (HEIGHT + GAP) + key_height))
+    seeds = len({run.seed for run in runs})
+    detail = f"best candidate so far over flights, median of {seeds} seeds{' and quartiles' if len(looks) <= BAND_UP_TO else ''}"
+    width = max(LEFT + across * (WIDTH + GAP), LEFT + headline_width(TITLE, detail, ()) + 0.1)
+    figure = Figure(figsize=(width, TOP + down * (HEIGHT + GAP) + key_height))
     height = float(figure.get_size_inches()[1])
     for k, race in enumerate(races):
         column, row = k % across, k // across
@@ -58,9 +62,7 @@ def curves(runs: Sequence[Run]) -> Figure:
         _draw_race(axes, race, [run for run in runs if run.race == race], looks)
         if column == 0:
             axes.set_ylabel("completion [%]")
-    seeds = len({run.seed for run in runs})
-    detail = f"best candidate so far over flights, median of {seeds} seeds{' and quartiles' if len(looks) <= BAND_UP_TO else ''}"
-    headline(figure, LEFT, "Tuners on equal terms", detail)
+    headline(figure, LEFT, TITLE, detail)
     _draw_key(figure, looks, across)
     return figure
 

@@ -1,8 +1,11 @@
 """Figures: all that can be drawn, in one place; functions of plain data that return matplotlib figures."""
 
 from hotlap.report.convergence import convergence
+from hotlap.report.input_charts import inputs
+from hotlap.report.sample_chart import samples
+from hotlap.report.sensitivity_chart import sensitivity
 from hotlap.report.time_charts import tracking_error
 from hotlap.report.track_view import track
 from hotlap.report.tuned_parameters import tuned_parameters
 
-__all__ = ["convergence", "track", "tracking_error", "tuned_parameters"]
+__all__ = ["convergence", "inputs", "samples", "sensitivity", "track", "tracking_error", "tuned_parameters"]

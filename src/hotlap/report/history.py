@@ -56,6 +56,32 @@ class History:
 
 
 @dataclass(frozen=True)
+class Samples:
+    """Where a search has looked: its R flights, without re-flights.
+
+    Attributes:
+        parameters: shape (R, S, K).
+        accepted: shape (R,) whether the tuner went on from there.
+        completion: shape (R,), 0 to 1.
+        succeeded: shape (R,) whether the goal was met.
+    """
+
+    parameters: Parameters
+    accepted: Booleans
+    completion: Floats
+    succeeded: Booleans
+
+    def __len__(self) -> int:
+        """R, the number of flights."""
+        return len(self.accepted)
+
+    @property
+    def complete(self) -> Booleans:
+        """Shape (R,), whether every gate was passed."""
+        return self.completion >= 1
+
+
+@dataclass(frozen=True)
 class Change:
     """Parameters before and after.
 
@@ -90,6 +116,15 @@ def recount(ledger: Ledger, goal: Goal) -> History:
     )
 
 
+def collect(ledger: Ledger, goal: Goal, most: int | None = None) -> Samples:
+    """The search flights of a ledger; where there are more than `most`, so many of them, evenly."""
+    search = ledger.of(Stream.SEARCH)
+    kept = min(most or len(search), len(search))
+    rows = np.unique(np.linspace(0, len(search) - 1, kept).round().astype(int)) if kept else np.zeros(0, dtype=int)
+    met = succeeded(search, goal)
+    return Samples(search.parameters[rows], search.accepted[rows], search.completion[rows], met[rows])
+
+
 def compare(space: ParameterSpace, segments: Segments, before: Parameters, after: Parameters, horizon_unit: float) -> Change:
     """What a tuning changed.
 
@@ -105,7 +140,7 @@ def compare(space: ParameterSpace, segments: Segments, before: Parameters, after
 
 
 def succeeded(ledger: Ledger, goal: Goal) -> Booleans:
-    """Which flights met the goal, shape (F,)."""
+    """Which flights met the goal, shape (F,); without one, which were complete."""
     if goal.quantity is Quantity.COMPLETION:
         return ledger.completion >= goal.threshold
     errors = {Quantity.MEAN_ERROR: ledger.mean_error, Quantity.MAX_ERROR: ledger.max_error}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from html import escape
 
 
@@ -22,25 +22,26 @@ def paragraph(words: object) -> str:
     return element("p", text(words))
 
 
-def table(heads: Sequence[object], rows: Iterable[Sequence[object]], caption: str = "", *, words: int = 1) -> str:
+def table(heads: Sequence[object], rows: Iterable[Sequence[object]], caption: str = "", *, numbers: Container[int] = ()) -> str:
     """A table that scrolls by itself where it is too wide.
 
     Args:
         heads: of the columns.
         rows: cells.
         caption: above it.
-        words: columns of words, from the left; all others hold numbers.
+        numbers: columns that hold numbers, counted from 0.
     """
     title = element("caption", text(caption)) if caption else ""
-    head = element("thead", element("tr", "".join(element("th", text(cell), scope="col") for cell in heads)))
-    body = "".join(element("tr", "".join(_cell(cell, j, words) for j, cell in enumerate(row))) for row in rows)
+    kinds = [{"class_": "number"} if j in numbers else {} for j in range(len(heads))]
+    names = "".join(element("th", text(cell), scope="col", **kind) for cell, kind in zip(heads, kinds, strict=True))
+    head = element("thead", element("tr", names))
+    body = "".join(element("tr", "".join(_cell(cell, j, kinds[j]) for j, cell in enumerate(row))) for row in rows)
     return element("div", element("table", title + head + element("tbody", body)), class_="wide")
 
 
-def _cell(cell: object, column: int, words: int) -> str:
-    if column == 0:
-        return element("th", text(cell), scope="row")
-    return element("td", text(cell)) if column < words else element("td", text(cell), class_="number")
+def _cell(cell: object, column: int, kind: dict[str, str]) -> str:
+    """The first of a row names it."""
+    return element("td", text(cell), **kind) if column else element("th", text(cell), scope="row")
 
 
 def facts(pairs: Mapping[str, object]) -> str:

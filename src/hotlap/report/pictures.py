@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from hotlap.analysis.sensitivity import survey_sensitivity
 from hotlap.course import Course
 from hotlap.errors import InputError
 from hotlap.report.demonstration import choose, demonstrate
-from hotlap.report.figures import convergence, track, tracking_error, tuned_parameters
-from hotlap.report.history import compare, recount
-from hotlap.report.scene import stage
+from hotlap.report.figures import convergence, inputs, samples, sensitivity, track, tracking_error, tuned_parameters
+from hotlap.report.history import Change, collect, compare, recount
+from hotlap.report.page.standing import Standing, read_standing
+from hotlap.report.scene import Scene, stage
 from hotlap.report.style import own_settings
 from hotlap.seeds import Stream, flight_seeds
 from hotlap.study import Study
@@ -40,21 +43,66 @@ def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tu
     Raises:
         InputError: when one cannot be written.
     """
-    asked = study.configuration
-    result, settings, space = study.result, asked.settings, asked.course.space
-    first, best = asked.first_guess, asked.first_guess if result is None else result.best.parameters
-    shown, seeds = choose(asked.course, first, best)[:SETS], flight_seeds(settings.seed, Stream.DEMONSTRATION, 0, flights)
-    scene = demonstrate(asked.course, world, shown, seeds)
-    history = recount(study.flights(), settings.goal)
-    change = compare(space, asked.course.segments, first, best, asked.course.race.controller.horizon_unit)
-    title = f"{scene.race}: {asked.tuner}"
+    standing = read_standing(study)
+    return _save_all(folder, _plain(standing, _fly(standing, world, flights)), FORMATS[0])
+
+
+def draw_everything(folder: Path, study: Study, world: World, kind: str, flights: int = FLIGHTS) -> tuple[Path, ...]:
+    """Draw the same, and inputs against their limits, sensitivity, and where the search has looked.
+
+    Args:
+        folder: where the pictures go.
+        study: to be drawn; it may have no flights yet.
+        world: where its flights happen.
+        kind: one of `FORMATS`.
+        flights: how many of each to fly, at least 1.
+
+    Returns:
+        The files.
+
+    Raises:
+        InputError: when one cannot be written.
+    """
+    standing = read_standing(study)
+    asked, best, scene = standing.configuration, standing.best, _fly(standing, world, flights)
+    found = survey_sensitivity(asked.course, world, best, asked.settings.seed)
+    looked = collect(standing.ledger, asked.settings.goal)
     figures = {
-        "track": track(scene),
-        "convergence": convergence(history, title, _standing(study)),
-        "error": tracking_error(scene),
-        "parameters": tuned_parameters(change, f"{scene.race}: what was tuned"),
+        **_plain(standing, scene),
+        "inputs": inputs(scene, asked.course),
+        "sensitivity": sensitivity(found, _change(standing), f"{scene.race}: which parameters matter"),
+        "samples": samples(looked, asked.course.space, best, f"{scene.race}: where the search has looked"),
     }
-    return tuple(save(folder / f"{name}.png", figure) for name, figure in figures.items())
+    return _save_all(folder, figures, kind)
+
+
+def _fly(standing: Standing, world: World, flights: int) -> Scene:
+    """What the pictures show."""
+    asked = standing.configuration
+    shown = choose(asked.course, asked.first_guess, standing.best)[:SETS]
+    return demonstrate(asked.course, world, shown, flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, flights))
+
+
+def _plain(standing: Standing, scene: Scene) -> dict[str, Figure]:
+    """The four of every study."""
+    asked = standing.configuration
+    history = recount(standing.ledger, asked.settings.goal)
+    return {
+        "track": track(scene),
+        "convergence": convergence(history, f"{scene.race}: {asked.tuner}", _verdict(standing)),
+        "error": tracking_error(scene),
+        "parameters": tuned_parameters(_change(standing), f"{scene.race}: what was tuned"),
+    }
+
+
+def _change(standing: Standing) -> Change:
+    """What was tuned."""
+    course, first = standing.configuration.course, standing.configuration.first_guess
+    return compare(course.space, course.segments, first, standing.best, course.race.controller.horizon_unit)
+
+
+def _save_all(folder: Path, figures: Mapping[str, Figure], kind: str) -> tuple[Path, ...]:
+    return tuple(save(folder / f"{name}.{kind}", figure) for name, figure in figures.items())
 
 
 def draw_plan(path: Path, course: Course) -> None:
@@ -97,9 +145,9 @@ def save(path: Path, figure: Figure) -> Path:
     return path
 
 
-def _standing(study: Study) -> str:
+def _verdict(standing: Standing) -> str:
     """How a study stands, in one line."""
-    result = study.result
+    result = standing.result
     if result is None:
         return "no flights yet"
     parts = [f"goal {result.goal}", f"{result.search_flights} search flights, {result.flights} with re-flights"]

@@ -5,12 +5,10 @@ from __future__ import annotations
 import re
 from typing import Any
 
-import numpy as np
-
 from hotlap import toml
 from hotlap.analysis.hold import Hold
 from hotlap.files import PARAMETERS_FILE
-from hotlap.report.history import succeeded
+from hotlap.report.history import collect, succeeded
 from hotlap.report.page.encoding import number, pack
 from hotlap.report.page.flown import describe_course, describe_repeats, describe_trace
 from hotlap.report.page.shown import Shown
@@ -138,16 +136,14 @@ def _parameters(standing: Standing) -> dict[str, Any]:
 
 def _samples(standing: Standing) -> dict[str, Any]:
     """Parameters of the search flights, thinned evenly where there are many."""
-    search = standing.ledger.of(Stream.SEARCH)
     most = max(1, min(MOST_SAMPLES, MOST_VALUES // max(1, standing.configuration.first_guess.size)))
-    rows = np.unique(np.linspace(0, len(search) - 1, min(most, len(search))).round().astype(int)) if len(search) else np.zeros(0, int)
-    met = succeeded(search, standing.configuration.settings.goal)
+    samples = collect(standing.ledger, standing.configuration.settings.goal, most)
     return {
-        "parameters": pack(search.parameters[rows]),
-        "accepted": search.accepted[rows].astype(int).tolist(),
-        "completion": pack(search.completion[rows]),
-        "succeeded": met[rows].astype(int).tolist(),
-        "of": len(search),
+        "parameters": pack(samples.parameters),
+        "accepted": samples.accepted.astype(int).tolist(),
+        "completion": pack(samples.completion),
+        "succeeded": samples.succeeded.astype(int).tolist(),
+        "of": int((standing.ledger.streams == int(Stream.SEARCH)).sum()),
     }
 
 

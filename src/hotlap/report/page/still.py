@@ -109,7 +109,7 @@ def _tables(standing: Standing, shown: Shown | None) -> Iterator[str]:
     yield element("h2", "How often it passes every gate") + table(
         ("", "flights", "complete"),
         [(repeats.label, repeats.flights, share(repeats.complete, repeats.flights)) for repeats in shown.scene.repeats],
-        words=1,
+        numbers=(1,),
     )
     if shown.holds:
         rows = [(hold.change, share(hold.validation.successes, hold.validation.flights)) for hold in shown.holds]

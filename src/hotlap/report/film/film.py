@@ -1,0 +1,85 @@
+"""Film of a study: the tuned flight, and beside it the one that the search began with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+
+from hotlap.report.demonstration import BEST, DEFAULT, FIRST, choose
+from hotlap.report.film.frames import Titles, draw_frames
+from hotlap.report.film.recording import RATES, Pixels, record
+from hotlap.report.film.takes import film_takes
+from hotlap.report.page.standing import Standing, begins_at_default
+from hotlap.report.scene import stage
+from hotlap.seeds import Stream, flight_seeds
+from hotlap.worlds.world import World
+
+Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]
+"""(unit, wanted, done) -> a context, in which to call what it gives with a few words on each piece that has ended."""
+
+LONGEST = 13.0  # s of a film, at a pace of at least 1
+PACES = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10, 15, 20, 30, 60)
+NAMES = {DEFAULT: "before: default weights", FIRST: "before: first guess"}
+
+
+@contextmanager
+def silent(*_: object) -> Iterator[Callable[[str], None]]:
+    """Progress that nobody looks at."""
+    yield lambda _: None
+
+
+def write_film(path: Path, standing: Standing, world: World, progress: Progress = silent) -> Path:
+    """Fly the best parameters and the controller's default (or the first guess) once, and record them beside each other.
+
+    Args:
+        path: .gif or .mp4; its suffix decides.
+        standing: of the study.
+        world: where its flights happen.
+        progress: shows how many frames are drawn.
+
+    Returns:
+        The file.
+
+    Raises:
+        InputError: when it cannot be written.
+    """
+    asked = standing.configuration
+    course = asked.course
+    known = choose(course, asked.first_guess, standing.best)
+    best, before = known[0], known[1:][-1:]  # the default if there is one, else the first guess
+    pace = pace_of(course.reference.duration)
+    interval = pace / RATES[path.suffix.lower()]
+    seed = int(flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, 1)[0])
+    takes = film_takes(course, world, (*before, best), seed, interval)
+    gates = len(course.race.track.gates)
+    title = f"{course.race.name}: {gates} gates, planned in {course.reference.lap_time:.2f} s"
+    slow = f"   at {pace:g} times real speed" if pace > 1 else "   real time"
+    titles = Titles(title, slow, tuple(_label(take.label, standing) for take in takes))
+    frames = draw_frames(stage(course), takes, titles, interval)
+    with progress("frames", max(map(len, takes)), 0) as say:
+        return record(path, _watched(frames, say))
+
+
+def _watched(frames: Iterable[Pixels], say: Callable[[str], None]) -> Iterator[Pixels]:
+    """The same frames, each of which is counted."""
+    for frame in frames:
+        yield frame
+        say("drawing")
+
+
+def pace_of(duration: float) -> float:
+    """How many times faster than real a flight is shown, so that it does not last too long."""
+    return next((pace for pace in PACES if duration / pace <= LONGEST), math.ceil(duration / LONGEST))
+
+
+def _label(label: str, standing: Standing) -> str:
+    """What a panel shows."""
+    result = standing.result
+    if label == FIRST and begins_at_default(standing.configuration):
+        label = DEFAULT
+    if label != BEST or result is None:
+        return NAMES.get(label, label)
+    count = "1 flight" if result.search_flights == 1 else f"{result.search_flights} flights"
+    return f"after: tuned in {count}" if result.best.confirmed else "after: the best so far"

@@ -1,0 +1,212 @@
+"""Frames: takes drawn beside each other, one picture after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from hotlap.report.film.camera import Camera, aim, rings
+from hotlap.report.film.craft import draw_craft
+from hotlap.report.film.takes import Take
+from hotlap.report.scene import Scene
+from hotlap.report.style import SPEED_MAP, own_settings, place_axes
+
+Floats = NDArray[np.float64]
+
+NIGHT, LIGHT, DIM, FAINT = "#10151c", "#eef2f6", "#8b98a8", "#232d39"
+FAILURE, DONE, GATE, PASSED = "#ff6159", "#7ddc8b", "#4a5868", "#eef2f6"
+WIDTH, TOP, BOTTOM, EDGE = 4.5, 0.95, 0.5, 0.15  # inches of a panel, and around it
+SHORTEST, TALLEST = 2.2, 4.2  # inches of a panel's height
+DPI = 100
+CRAFT = 0.028  # of the width of what is seen: an arm, several times too large, to be seen at all
+GRID = 9  # lines of the ground
+
+
+@dataclass(frozen=True)
+class Titles:
+    """What is written.
+
+    Attributes:
+        title: above all.
+        pace: how fast the film runs.
+        labels: above each panel.
+    """
+
+    title: str
+    pace: str
+    labels: tuple[str, ...]
+
+
+def draw_frames(scene: Scene, takes: Sequence[Take], titles: Titles, interval: float) -> Iterator[NDArray[np.uint8]]:
+    """Every frame as pixels, shape (height, width, 3), height and width even.
+
+    Args:
+        scene: course and gates.
+        takes: beside each other, one panel each.
+        titles: what is written.
+        interval: [s] of the flight between frames.
+    """
+    with own_settings():
+        film = _Film(scene, takes, titles)
+        for k in range(max(map(len, takes))):
+            yield film.frame(k, k * interval)
+
+
+class _Film:
+    """The figure that all frames are drawn in: what stands still once, what moves each time."""
+
+    def __init__(self, scene: Scene, takes: Sequence[Take], titles: Titles) -> None:
+        camera = aim(scene.path)
+        low, high = _limits(scene, camera)
+        extent = high - low
+        height = float(np.clip(WIDTH * extent[1] / extent[0], SHORTEST, TALLEST))
+        size = np.array([len(takes) * (WIDTH + EDGE) + EDGE, TOP + height + BOTTOM])
+        self._figure = Figure(figsize=tuple(np.round(size * DPI / 2) * 2 / DPI), dpi=DPI, facecolor=NIGHT)
+        self._canvas = FigureCanvasAgg(self._figure)
+        norm = Normalize(0.0, max(1.0, *(float(take.speed[: take.judged + 1].max(initial=0.0)) for take in takes)))
+        places = [EDGE + i * (WIDTH + EDGE) for i in range(len(takes))]
+        axes = [_panel(self._figure, place, height, low, high) for place in places]
+        self._panels = [
+            _Panel(axis, scene, camera, take, label, norm) for axis, take, label in zip(axes, takes, titles.labels, strict=True)
+        ]
+        full_height = self._figure.get_size_inches()[1]
+        self._figure.text(EDGE / size[0], 1 - 0.13 / full_height, titles.title, fontsize=13, weight="bold", color=LIGHT, va="top")
+        self._clock = self._figure.text(EDGE / size[0], 0.2 / full_height, "", fontsize=9, color=DIM, va="center")
+        self._pace = titles.pace
+        _colour_bar(self._figure, float(size[0]), norm)
+        self._movers: list[Artist] = [self._clock, *(artist for panel in self._panels for artist in panel.movers)]
+        for artist in self._movers:
+            artist.set_animated(True)
+        self._canvas.draw()
+        self._still = self._canvas.copy_from_bbox(self._figure.bbox)
+
+    def frame(self, k: int, time: float) -> NDArray[np.uint8]:
+        """One of them."""
+        for panel in self._panels:
+            panel.move(k)
+        self._clock.set_text(f"{time:5.2f} s{self._pace}")
+        self._canvas.restore_region(self._still)
+        renderer = self._canvas.get_renderer()
+        for artist in self._movers:
+            artist.draw(renderer)
+        return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
+
+
+class _Panel:
+    """One flight."""
+
+    def __init__(self, axes: Axes, scene: Scene, camera: Camera, take: Take, label: str, norm: Normalize) -> None:
+        self._camera, self._take, self._total = camera, take, len(scene.gates)
+        self._ground, self._size = _ground(scene), CRAFT * abs(float(np.subtract(*axes.get_xlim())))
+        self._path, self._gates = camera.project(take.position), _gates(scene, camera)
+        _draw_still(axes, scene, camera, self._gates)
+        above: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": 10.5}
+        axes.annotate(label, (0, 1), xytext=(0, 22), color=LIGHT, **above)
+        self._count = axes.annotate("", (0, 1), xytext=(0, 5), annotation_clip=False, **above)
+        colours: Any = {"cmap": SPEED_MAP, "norm": norm, "capstyle": "round"}
+        self._trail = _add(axes, LineCollection([], linewidths=2.2, zorder=4, **colours))
+        self._lost = _add(axes, LineCollection([], colors=FAILURE, linewidths=1.0, alpha=0.7, zorder=3))
+        self._lit = _add(axes, LineCollection([], colors=PASSED, linewidths=1.3, zorder=3.5))
+        self._craft = _add(axes, LineCollection([], linewidths=1.4, zorder=6))
+        (self._plumb,) = axes.plot([], [], color=DIM, linewidth=0.6, marker=".", markevery=[1], markersize=3, zorder=3)
+        (self._cross,) = axes.plot([], [], linestyle="none", marker="x", color=FAILURE, markersize=11, markeredgewidth=2.6, zorder=7)
+        self.movers: list[Artist] = [self._plumb, self._lost, self._lit, self._trail, self._craft, self._cross, self._count]
+
+    def move(self, k: int) -> None:
+        """To the k-th frame."""
+        take, k = self._take, min(k, len(self._take) - 1)
+        good, over = min(k, take.judged) if take.failed else k, k >= take.judged
+        self._trail.set_segments(_pairs(self._path[: good + 1]))
+        self._trail.set_array(take.speed[1 : good + 1])
+        self._lost.set_segments(_pairs(self._path[good : k + 1]))
+        self._lit.set_segments(list(self._gates[: take.passed[k]]))
+        position, failed = take.position[k], take.failed and over
+        self._craft.set_segments([self._camera.project(line) for line in draw_craft(position, take.attitude[k], self._size)])
+        self._craft.set_color(FAILURE if failed else LIGHT)
+        self._plumb.set_data(*self._camera.project(np.array([position, [*position[:2], self._ground]])).T)
+        self._cross.set_data(*(self._path[[min(take.judged, len(take) - 1)]].T if failed else ([], [])))
+        self._count.set_color(FAILURE if failed else DONE if over else DIM)
+        self._count.set_fontweight("bold" if over else "normal")
+        mark = "✕ " if failed else "✓ " if over else ""
+        self._count.set_text(f"{mark}{take.ending}" if over else f"{take.passed[k]} of {self._total} gates")
+
+
+def _panel(figure: Figure, left: float, height: float, low: Floats, high: Floats) -> Axes:
+    """Axes to scale, without a frame."""
+    axes = place_axes(figure, left, BOTTOM, WIDTH, height)
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_axis_off()
+    return axes
+
+
+def _draw_still(axes: Axes, scene: Scene, camera: Camera, gates: Floats) -> None:
+    """The ground, the plan with its shadow, and the gates."""
+    axes.add_collection(LineCollection(list(camera.project(_grid(scene))), colors=FAINT, linewidths=0.6, zorder=0), autolim=False)
+    shadow = np.column_stack([scene.path[:, :2], np.full(len(scene.path), _ground(scene))])
+    axes.plot(*camera.project(shadow).T, color="#1b242f", linewidth=2.0, zorder=1)
+    axes.plot(*camera.project(scene.path).T, color="#3b4856", linewidth=0.9, zorder=2)
+    axes.add_collection(LineCollection(list(gates), colors=GATE, linewidths=1.1, zorder=2.5), autolim=False)
+
+
+def _gates(scene: Scene, camera: Camera) -> Floats:
+    """Gates as rings across the plan, in the picture, shape (M, points, 2)."""
+    reference = scene.reference
+    rows = np.clip(np.round(reference.gate_times / reference.period).astype(int), 0, len(reference.velocity) - 1)
+    return camera.project(rings(scene.gates, reference.velocity[rows], scene.distance))
+
+
+def _ground(scene: Scene) -> float:
+    """[m] height of what is drawn as ground: below all of the plan."""
+    return float(min(scene.path[:, 2].min(), scene.gates[:, 2].min()) - 1.5 * scene.distance)
+
+
+def _grid(scene: Scene) -> Floats:
+    """Lines of the ground, shape (n, 2, 3) [m] (world)."""
+    low, high = scene.path[:, :2].min(axis=0), scene.path[:, :2].max(axis=0)
+    middle, half = (low + high) / 2, (high - low).max() / 2 * 1.25
+    level, steps = _ground(scene), np.linspace(-half, half, GRID)
+    across = [[[middle[0] + s, middle[1] - half, level], [middle[0] + s, middle[1] + half, level]] for s in steps]
+    along = [[[middle[0] - half, middle[1] + s, level], [middle[0] + half, middle[1] + s, level]] for s in steps]
+    return np.array(across + along)
+
+
+def _limits(scene: Scene, camera: Camera) -> tuple[Floats, Floats]:
+    """The box of plan and gates in the picture, with a margin to stray into, each shape (2,) [m]."""
+    shadow = np.column_stack([scene.path[:, :2], np.full(len(scene.path), _ground(scene))])
+    points = camera.project(np.vstack([scene.path, scene.gates, shadow]))
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.06 * float((high - low).max()) + scene.distance
+    return low - margin, high + margin
+
+
+def _add(axes: Axes, lines: LineCollection) -> LineCollection:
+    """Lines that are drawn, and leave the limits as they are."""
+    axes.add_collection(lines, autolim=False)
+    return lines
+
+
+def _pairs(points: Floats) -> list[Floats]:
+    """Lines from each point to the next."""
+    return list(np.stack([points[:-1], points[1:]], axis=1))
+
+
+def _colour_bar(figure: Figure, width: float, norm: Normalize) -> None:
+    """Speeds and their colours, in the lower right corner."""
+    axes = place_axes(figure, width - EDGE - 1.75, 0.15, 1.3, 0.09)
+    bar = figure.colorbar(ScalarMappable(norm, SPEED_MAP), cax=axes, orientation="horizontal", ticks=[])
+    bar.outline.set_visible(False)  # pyright: ignore[reportCallIssue]
+    for place, words, side in ((-0.04, "0", "right"), (1.04, f"{norm.vmax:.0f} m/s", "left")):
+        axes.text(place, 0.5, words, transform=axes.transAxes, fontsize=9, color=DIM, ha=side, va="center")

@@ -1,0 +1,85 @@
+"""Takes: flights frame by frame, as plain arrays; a drone that missed a gate is followed until it has crashed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.course import Course
+from hotlap.records import Flights
+from hotlap.report.demonstration import Shown
+from hotlap.report.scene import trace
+from hotlap.worlds.world import World
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Take:
+    """One flight; after its last frame it stays where it was.
+
+    Attributes:
+        label: what is flown.
+        position: shape (n, 3) [m] (world), one row a frame.
+        attitude: shape (n, 4) (w, x, y, z), body to world.
+        speed: shape (n,) [m/s].
+        passed: shape (n,) gates passed in a row so far.
+        judged: frame at which it was decided how the flight ended.
+        failed: whether a gate was not passed.
+        ending: how it ended, in a few words.
+    """
+
+    label: str
+    position: Floats
+    attitude: Floats
+    speed: Floats
+    passed: NDArray[np.int64]
+    judged: int
+    failed: bool
+    ending: str
+
+    def __len__(self) -> int:
+        """n, frames of it."""
+        return len(self.position)
+
+
+def film_takes(course: Course, world: World, shown: Sequence[Shown], seed: int, interval: float) -> tuple[Take, ...]:
+    """Fly each of some parameters once, through the same noise.
+
+    Args:
+        course: what is flown.
+        world: where.
+        shown: at least one.
+        seed: of the noise.
+        interval: [s] of the flight between frames.
+    """
+    judge = course.race.judge.model_copy(update={"fly_on": True})
+    onward = replace(course, race=course.race.model_copy(update={"judge": judge}))
+    parameters = np.stack([one.parameters for one in shown])
+    flown = world.fly(onward, parameters, np.full(len(shown), seed), log=range(len(shown)))
+    return tuple(cut(onward, flown, i, one.label, interval) for i, one in enumerate(shown))
+
+
+def cut(course: Course, flights: Flights, index: int, label: str, interval: float) -> Take:
+    """One flight out of a batch, at the times of the frames."""
+    log, flight = flights.logs[index], trace(course, flights, index, label)
+    known = np.isfinite(log.states[:, :10]).all(axis=1)
+    times, states = log.times[known], log.states[known, :10]
+    last = float(times.max(initial=0.0)) if flight.failed else min(float(times.max(initial=0.0)), course.reference.duration)
+    frames = np.arange(math.ceil(last / interval - 1e-9) + 1) * interval
+    rows = np.array([np.interp(frames, times, column) for column in states.T]).T if len(times) else np.zeros((1, 10))
+    gates = flight.seen_times[: flight.gates_passed]
+    return Take(
+        label=label,
+        position=rows[:, :3],
+        attitude=rows[:, 3:7] / np.maximum(np.linalg.norm(rows[:, 3:7], axis=1, keepdims=True), 1e-9),
+        speed=np.linalg.norm(rows[:, 7:10], axis=1),
+        passed=np.searchsorted(np.sort(gates), frames[: len(rows)] + 1e-9),
+        judged=int(np.ceil(flight.end_time / interval - 1e-9)) if np.isfinite(flight.end_time) else len(rows) - 1,
+        failed=flight.failed,
+        ending=flight.ending if flight.failed else f"{flight.ending}, {flight.lap_time:.2f} s",
+    )

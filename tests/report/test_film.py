@@ -1,0 +1,121 @@
+"""A film shows flights as they were, to their end, and is a file that players know."""
+
+from __future__ import annotations
+
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+from plausible_world import OPTIMUM, PlausibleWorld
+from studies import begin, carry, configure
+
+from fake_world import make_course
+from hotlap.errors import InputError
+from hotlap.report.demonstration import choose
+from hotlap.report.film import recording
+from hotlap.report.film.camera import aim, rings
+from hotlap.report.film.craft import draw_craft, turn
+from hotlap.report.film.film import LONGEST, pace_of, write_film
+from hotlap.report.film.recording import check_recorder, find_ffmpeg, record
+from hotlap.report.film.takes import film_takes
+
+
+@pytest.fixture(scope="module")
+def takes():
+    """A flight that fails, and a good one."""
+    course = make_course()
+    shown = choose(course, 40 * np.tile(OPTIMUM, (2, 1)), np.tile(OPTIMUM, (2, 1)))
+    return film_takes(course, PlausibleWorld(), (shown[1], shown[0]), seed=3, interval=0.1)
+
+
+def test_a_take_is_followed_to_the_end_and_counts_its_gates(takes):
+    bad, good = takes
+    assert (good.failed, good.passed[0], good.passed[-1]) == (False, 0, 5)
+    assert good.ending == "all 5 gates, 5.00 s"
+    assert bad.failed
+    assert bad.ending == f"missed gate {bad.passed[-1] + 1}"
+    assert bad.judged < len(bad) - 1  # it is followed on
+    for take in takes:
+        assert (np.diff(take.passed) >= 0).all()
+        assert len(take.position) == len(take.attitude) == len(take.speed) == len(take.passed)
+        np.testing.assert_allclose(np.linalg.norm(take.attitude, axis=1), 1)
+
+
+def test_a_camera_keeps_lengths_across_and_up_is_up():
+    camera = aim(np.array([[0.0, 0, 0], [10, 0, 0], [5, 2, 1]]))
+    assert np.linalg.norm(camera.right) == pytest.approx(1)
+    assert np.linalg.norm(camera.up) == pytest.approx(1)
+    assert camera.right @ camera.up == pytest.approx(0, abs=1e-12)
+    assert camera.up[2] > 0.5
+    assert abs(camera.right[0]) > 0.9  # along the track
+
+
+@pytest.mark.parametrize("normal", [[1.0, 0, 0], [0, 0, 1.0], [0, 0, 0.0], [3.0, -2, 1]])
+def test_a_gate_is_a_circle_across_the_flight(normal):
+    (ring,) = rings(np.array([[1.0, 2, 3]]), np.array([normal]), 1.3)
+    np.testing.assert_allclose(np.linalg.norm(ring - [1, 2, 3], axis=1), 1.3)
+    np.testing.assert_allclose((ring - [1, 2, 3]) @ np.array(normal), 0, atol=1e-12)
+    np.testing.assert_allclose(ring[0], ring[-1])
+
+
+def test_a_drone_turns_with_its_attitude():
+    half = np.sqrt(0.5)
+    np.testing.assert_allclose(turn(np.array([half, 0, 0, half]), np.eye(3)), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-12)
+    level = np.vstack(draw_craft(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0))
+    assert (level[:, 2] == 0).all()
+
+
+@pytest.mark.parametrize(("duration", "pace"), [(1.0, 1), (13.0, 1), (13.5, 1.25), (26.0, 2), (5000.0, 385)])
+def test_a_film_is_never_longer_than_it_may_be(duration, pace):
+    assert pace_of(duration) == pace
+    assert duration / pace_of(duration) <= LONGEST
+
+
+def test_a_gif_has_a_frame_for_each_moment_and_lingers_on_the_last(tmp_path):
+    standing = carry(tmp_path / "study", replace(configure(), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1))))
+    path = write_film(tmp_path / "lap.gif", standing, PlausibleWorld())
+    with Image.open(path) as picture:
+        assert picture.format == "GIF"
+        assert picture.n_frames > 50
+        picture.seek(picture.n_frames - 1)
+        assert picture.info["duration"] > 1000
+        last = np.asarray(picture.convert("RGB"))
+        picture.seek(0)
+        assert (np.asarray(picture.convert("RGB")) != last).any()
+    assert path.stat().st_size < 3e6
+    assert [entry.name for entry in tmp_path.iterdir() if entry.is_file()] == ["lap.gif"]
+
+
+def test_a_study_without_flights_has_a_film(tmp_path):
+    standing = begin(tmp_path / "study", configure())
+    with Image.open(write_film(tmp_path / "lap.gif", standing, PlausibleWorld(crash=True))) as picture:
+        assert picture.n_frames > 10
+
+
+def frames(count=12, width=64, height=32):
+    for k in range(count):
+        frame = np.zeros((height, width, 3), dtype=np.uint8)
+        frame[:, : 4 * k] = 255
+        yield frame
+
+
+def test_an_mp4_is_played_by_ffmpeg(tmp_path):
+    path = record(tmp_path / "lap.mp4", frames())
+    played = subprocess.run([find_ffmpeg(), "-i", path, "-f", "null", "-"], capture_output=True, text=True, check=True)
+    assert "h264" in played.stderr
+    assert "64x32" in played.stderr
+
+
+def test_without_ffmpeg_an_mp4_is_refused_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(recording, "find_ffmpeg", lambda: "")
+    with pytest.raises(InputError, match=r"lap\.mp4: needs ffmpeg, which is not on the PATH"):
+        check_recorder(tmp_path / "lap.mp4")
+    check_recorder(tmp_path / "lap.gif")
+
+
+@pytest.mark.parametrize("name", ["lap.gif", "lap.mp4"])
+def test_a_film_that_cannot_be_written_is_an_input_error(tmp_path, name):
+    with pytest.raises(InputError, match="cannot be written"):
+        record(tmp_path / "nowhere" / name, frames())
