@@ -7,6 +7,7 @@
 #   make bench     measure the flights    make studies   run the tests of minutes
 #   make benchmarks   measure everything  make clean     remove .venv and caches
 #   make first-guess   learn first guesses anew, a quarter of an hour, resumable
+#   make pictures  draw what README and documentation show (needs chromium, node and npm)
 #   make page      build the study page anew from page/ (needs node 20 and npm)
 #   make comparison   all tuners on all races, an hour or two, resumable (PART=random for another part, see benchmarks/comparison.py)
 
@@ -20,7 +21,7 @@ PART ?= main
 ARGS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: tune test lint types bench benchmarks comparison first-guess studies venv docs page clean
+.PHONY: tune test lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
@@ -56,6 +57,9 @@ docs: $(VENV)/.docs
 	$(BIN)/python docs/tables.py
 	$(BIN)/python -m sphinx -W --keep-going -q -n docs build/docs $(ARGS)
 	@echo "open build/docs/index.html"
+
+pictures: $(VENV)/.docs page/node_modules
+	$(BIN)/python docs/pictures.py
 
 page: page/node_modules
 	cd page && npm run --silent build
