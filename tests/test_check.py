@@ -76,7 +76,7 @@ def test_a_plan_that_may_not_use_enough_thrust_to_hover_is_a_warning():
 
 def test_a_drone_without_drag_is_said_to_have_none():
     plain = load_quadrotor("hummingbird")
-    assert findings(plain)["top speed"].remark == "its drag acts in the rotor plane alone"
+    assert findings(plain)["top speed"].remark == "its drag does not hold it below 100 m/s"
     assert findings(plain.model_copy(update={"rotor_drag": 0.0}))["top speed"].remark == "no drag is given"
 
 
@@ -99,3 +99,14 @@ def test_difficulty_grows_with_latency():
 def test_the_final_at_22_is_labelled_beyond_airsims_quadrotor():
     assert findings(load_race("airsim-final-22"))["expected difficulty"].value == "beyond the vehicle"
     assert findings(load_race("airsim-final-21"))["expected difficulty"].value == "hard"
+
+
+def test_a_plan_that_the_controller_caps_is_said_to_be():
+    race = load_race("split-s")
+    race = race.model_copy(update={"planning": type(race.planning)(thrust_share=0.9)})
+    strong = race.believed.max_acceleration
+    tight, wide = (
+        race.model_copy(update={"controller": race.controller.model_copy(update={"thrust": (0.1, k * strong)})}) for k in (0.9, 1.0)
+    )
+    assert findings(tight)["thrust limit caps the plan"].value == f"{0.95 * 0.9 * strong:.1f} m/s^2"
+    assert "thrust limit caps the plan" not in findings(wide)

@@ -10,6 +10,7 @@ import numpy as np
 
 from hotlap.files import Description
 from hotlap.performance import (
+    FASTEST,
     hover_share,
     max_tilt,
     rate_damping,
@@ -93,7 +94,7 @@ def describe_quadrotor(quadrotor: Quadrotor) -> tuple[Finding, ...]:
     ratio, fastest, damping = quadrotor.thrust_to_weight, top_speed(quadrotor), rate_damping(quadrotor)
     weak = "too little for racing" if ratio < 1.5 else ""
     dragless = not any((*quadrotor.drag, *quadrotor.body_drag, quadrotor.rotor_drag))
-    unlimited = "no drag is given" if dragless else "its drag acts in the rotor plane alone"
+    unlimited = "no drag is given" if dragless else f"its drag does not hold it below {FASTEST:g} m/s"
     return (
         Finding("thrust-to-weight", f"{ratio:.2f}", weak, _note(ratio < 1.5)),
         Finding("hover throttle", f"{hover_share(quadrotor):.0%}", "of the largest thrust"),
@@ -192,6 +193,10 @@ def _limits(race: Race) -> list[Finding]:
         if rate > limit:
             remark = f"the plan uses up to {rate:g}; raise controller.rates"
             findings.append(Finding(f"{axis} rate limit binds", f"{limit:g} rad/s", remark, Level.WARNING))
+    asked = race.planning.thrust_share * race.believed.max_acceleration
+    if race.planning.quadrotor is None and wanted < 0.999 * asked:
+        remark = f"planning.thrust_share asks for {asked:.1f}; raise controller.thrust for a faster plan"
+        findings.append(Finding("thrust limit caps the plan", f"{wanted:.1f} m/s^2", remark, Level.NOTE))
     return findings or [Finding("controller limits", "wide enough", "for the plan")]
 
 

@@ -7,7 +7,9 @@ import re
 
 import pytest
 
+from hotlap.cli.arguments import PICTURES
 from hotlap.cli.tune import repeating
+from hotlap.report.pictures import FORMATS
 
 pytestmark = pytest.mark.usefixtures("faked")
 EASY = ("tune", "straight.toml", "--seed", "1", "--validation", "50")
@@ -81,3 +83,7 @@ def test_a_video_that_needs_what_is_not_there_is_refused_before_anything_is_flow
     ran = hotlap("report", "missing", "--video", "lap.mp4")
     assert (ran.code, ran.out) == (2, "")
     assert ran.err.startswith("hotlap: lap.mp4: needs ffmpeg")
+
+
+def test_formats_in_the_help_are_those_there_are():
+    assert PICTURES == FORMATS
