@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
+from hotlap.course import Course
 from hotlap.files import load_race
 from hotlap.goal import Goal, Quantity
 from hotlap.objective import Objective
@@ -21,31 +22,31 @@ from hotlap.reproduce.context import Context
 from hotlap.reproduce.page import Page, percent
 from hotlap.seeds import Stream, flight_seeds
 from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.validation import wilson_interval
 
 Floats = NDArray[np.float64]
 
-TUNERS = ("metropolis_hastings:paper", "metropolis_hastings:tied", "guided_walk")
-PLACES, FLIGHTS = 9, 16  # along a line between two optima, and at each place
 CHAIN = "metropolis_hastings:tied"
+TUNERS = ("metropolis_hastings:paper", CHAIN, "guided_walk")
+PLACES, FLIGHTS = 9, 16  # along a line between two optima, and at each place
 MOST_LINES = 60  # about
 CONVERGED = 1.1  # of Gelman and Rubin's ratio
 
 
 @dataclass(frozen=True)
-class Start:
-    """A run from parameters drawn evenly in logarithms within the bounds, the same in all segments."""
+class Starts:
+    """Runs from parameters drawn evenly in logarithms within the bounds, the same in all segments; to `keep` is to go on after a find."""
 
     race: str
     tuner: str
-    seed: int
+    seeds: int
     budget: int
     keep: bool = False
 
     @property
     def label(self) -> str:
-        """Of a search, or of a chain that goes on whatever it meets."""
-        what = f", chain {self.seed}," if self.keep else f" by {self.tuner} from {self.seed},"
-        return f"{self.race}{what} {self.budget} flights"
+        """For people."""
+        return f"{self.race}: {self.seeds} {'chains' if self.keep else 'searches'} by {self.tuner}, {self.budget} flights"
 
 
 @dataclass(frozen=True)
@@ -57,23 +58,34 @@ class Line:
     other: tuple[tuple[float, ...], ...]
 
 
-def search(wanted: Start) -> Iterator[dict[str, Any]]:
-    """Search flights to a confirmed controller, what it is, and the samples on the way; with `keep`, the whole chain, whatever it meets."""
+def search(wanted: Starts) -> Iterator[list[dict[str, Any]]]:
+    """Of each run: search flights to a confirmed controller, what it is, and the samples on the way; all runs fly in one batch."""
     course = course_for(prepare(load_race(wanted.race)), tuners.build(wanted.tuner))
-    space = course.space
-    start = space.from_unit(np.random.default_rng([wanted.seed, 0x73746172]).random(space.size))
-    goal = Goal(Quantity.NONE, 0.0) if wanted.keep else Goal()
-    settings = TuningSettings(goal=goal, budget=wanted.budget, seed=wanted.seed, confirm=10, validation=0, reliability=0.0, batch=1)
-    run = Tuning(tuners.build(wanted.tuner), course, settings, np.tile(start, (len(course.segments), 1)))
-    now, trace = start, []
-    for _, batch in tune_together(Objective(course, built_in_world()), [run]):
+    runs = [_begin(wanted, course, seed) for seed in range(wanted.seeds)]
+    traces: list[list[NDArray[np.float64]]] = [[] for _ in runs]
+    for i, batch in tune_together(Objective(course, built_in_world()), runs):
         flown = batch.ledger.of(Stream.SEARCH)
         for accepted, parameters in zip(flown.accepted, flown.parameters, strict=True):
-            now = np.exp(np.log(parameters).mean(axis=0)) if accepted else now
-            trace.append([float(f"{value:.4g}") for value in now])
+            moved = accepted or not traces[i]
+            traces[i].append(np.exp(np.log(parameters).mean(axis=0)) if moved else traces[i][-1])
+    yield [_end(run, trace) for run, trace in zip(runs, traces, strict=True)]
+
+
+def _begin(wanted: Starts, course: Course, seed: int) -> Tuning:
+    """A run at its random start."""
+    space = course.space
+    start = space.from_unit(np.random.default_rng([seed, 0x73746172]).random(space.size))
+    goal = Goal(Quantity.NONE, 0.0) if wanted.keep else Goal()
+    settings = TuningSettings(goal=goal, budget=wanted.budget, seed=seed, confirm=10, validation=0, reliability=0.0, batch=1)
+    return Tuning(tuners.build(wanted.tuner), course, settings, np.tile(start, (len(course.segments), 1)))
+
+
+def _end(run: Tuning, trace: Sequence[NDArray[np.float64]]) -> dict[str, Any]:
+    """What came of a run; of a long trace about a thousand samples are kept."""
     confirmed = run.best is not None and run.best.confirmed
+    kept = [[float(f"{value:.4g}") for value in values] for values in trace[:: max(1, len(trace) // 1000)]]
     found = run.best.parameters.tolist() if run.best is not None and confirmed else None
-    yield {"flights": run.search_flights if confirmed else None, "found": found, "trace": trace[:: max(1, len(trace) // 1000)]}
+    return {"flights": run.search_flights if confirmed else None, "found": found, "trace": kept}
 
 
 def walk(wanted: Line) -> Iterator[list[float]]:
@@ -91,8 +103,8 @@ def initialisations(context: Context) -> Page:
     """Twenty random starts, the lines between what they found, and long chains."""
     races = ("circle-34",) if context.quick else ("qualifier-20", "airsim-flip-16")
     count, budget, long = (2, 60, 100) if context.quick else (20, 1000, 5000)
-    wanted = [Start(race, tuner, seed, budget) for race in races for tuner in TUNERS for seed in range(count)]
-    wanted += [Start(race, CHAIN, seed, long, keep=True) for race in races for seed in range(2 if context.quick else 4)]
+    wanted = [Starts(race, tuner, count, budget) for race in races for tuner in TUNERS]
+    wanted += [Starts(race, CHAIN, 2 if context.quick else 4, long, keep=True) for race in races]
     named = {one.label: one for one in wanted}
     found = {named[label]: result for label, result in context.each("searches", named, search).items()}
     page = Page("Random starts")
@@ -103,21 +115,28 @@ def initialisations(context: Context) -> Page:
     heads = ("race", "tuner", "reach 100 % [%]", "median flights", "least", "most")
     page.table(heads, [_how_many(found, race, tuner) for race in races for tuner in TUNERS])
     for race in races:
-        own = {start: result for start, result in found.items() if start.race == race}
+        own = {start: results for start, results in found.items() if start.race == race}
         page.head(race)
-        _show_traces(context, page, race, [_trace(result) for start, result in own.items() if start.tuner == TUNERS[1] and not start.keep])
-        optima = [tuple(map(tuple, result["found"])) for result in own.values() if result["found"]]
+        searches, chains = (
+            [_trace(one) for start, some in own.items() if (start.tuner, start.keep) == (CHAIN, keep) for one in some]
+            for keep in (False, True)
+        )
+        _show_traces(context, page, race, searches)
+        optima = [tuple(map(tuple, one["found"])) for results in own.values() for one in results if one["found"]]
         if len(optima) > 1:
             _say_lines(context, page, race, optima)
-        _show_chains(context, page, race, [_trace(result) for start, result in own.items() if start.keep])
+        _show_chains(context, page, race, chains)
     return page
 
 
-def _how_many(found: Mapping[Start, Mapping[str, Any]], race: str, tuner: str) -> list[str]:
+def _how_many(found: Mapping[Starts, Sequence[Mapping[str, Any]]], race: str, tuner: str) -> list[str]:
     """A row: how many searches got there, and in how many flights."""
-    own = [result["flights"] for start, result in found.items() if (start.race, start.tuner, start.keep) == (race, tuner, False)]
+    some = next(results for start, results in found.items() if (start.race, start.tuner, start.keep) == (race, tuner, False))
+    own = [one["flights"] for one in some]
     flights = np.array([np.inf if one is None else one for one in own])
-    reached = percent(float(np.isfinite(flights).mean()))
+    count = int(np.isfinite(flights).sum())
+    low, high = wilson_interval(count, len(flights))
+    reached = f"{percent(count / len(flights))} [{percent(low)}, {percent(high)}]"
     return [
         race,
         tuner,
@@ -137,7 +156,7 @@ def _show_traces(context: Context, page: Page, race: str, traces: list[Floats]) 
 
     path, space = context.folder / f"{race}-traces.png", prepare(load_race(race)).space
     detail = "accepted parameters over flights; a dot where the run ended"
-    draw_traces(path, f"{race}: {TUNERS[1]} from random starts", detail, space.names, traces, space.low, space.high)
+    draw_traces(path, f"{race}: {CHAIN} from random starts", detail, space.names, traces, space.low, space.high)
     page.picture(path, "parameters over flights")
 
 
