@@ -49,6 +49,31 @@ def test_a_race_says_what_the_controller_does_not_know():
     assert findings(load_race("split-s"))["unknown latency"].value == "0 ms"
 
 
+def test_a_vehicle_that_is_heavier_than_its_model_is_noted_and_expected_to_be_hard():
+    race = load_race("split-s").model_copy(update={"model": None})
+    assert "unknown mass" not in findings(race)
+
+    def weighing(factor):
+        """The same race where the drone has other weight than its controller believes."""
+        return race.model_copy(update={"model": race.vehicle.model_copy(update={"mass": race.vehicle.mass / factor})})
+
+    heavier, lighter = findings(weighing(1.08)), findings(weighing(0.92))
+    assert (heavier["unknown mass"].value, heavier["unknown mass"].level) == ("8.0%", Level.NOTE)
+    assert heavier["unknown mass"].remark.startswith("heavier than the controller believes")
+    assert lighter["unknown mass"].remark.startswith("lighter")
+    assert heavier["expected difficulty"].value == "hard"
+    assert lighter["expected difficulty"].value == findings(race)["expected difficulty"].value
+
+
+def test_gates_in_centimetres_are_noted():
+    track = load_track("drop")
+    far = track.model_copy(
+        update={"gates": tuple(gate.model_copy(update={"position": tuple(100 * x for x in gate.position)}) for gate in track.gates)}
+    )
+    assert (findings(track)["length"].level, findings(far)["length"].level) == (Level.FACT, Level.NOTE)
+    assert findings(far)["length"].remark.endswith("gates are in metres")
+
+
 def test_a_controller_that_does_not_predict_knows_no_latency():
     race = load_race("circle-34").model_copy(update={"model": None})
     assert unknown_latency(race) == 0

@@ -25,6 +25,8 @@ from hotlap.track import Track
 
 SPENT = 0.95  # share of the thrust beyond which nothing is left to correct with
 EXHAUSTED = 0.97  # the same for the steady part alone
+FAR = 300.0  # m, between two gates of no race: centimetres perhaps
+SAME_MASS = 0.005  # share of the mass that no scale tells
 DESCRIBING = {"name", "provenance", "rate_limit"}  # keys of a quadrotor that a controller need not know
 
 
@@ -75,9 +77,10 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
     names = ["start", *(f"gates[{i}]" for i in range(len(track.gates))), "end"]
     near = int(lengths.argmin())
     heights = points[:, 2]
+    vast = bool(lengths.max() > FAR)
     findings = [
         Finding("gates", str(len(track.gates)), "and an end beyond the last one" if track.end is not None else "the last one is the end"),
-        Finding("length", f"{lengths.sum():.0f} m", "in straight lines"),
+        Finding("length", f"{lengths.sum():.0f} m", "in straight lines; gates are in metres" if vast else "in straight lines", _note(vast)),
         Finding("height", f"{heights.min():.1f} to {heights.max():.1f} m", "" if track.floor is None else f"floor at {track.floor:g} m"),
         Finding("closest points", f"{lengths[near]:.2f} m", f"{names[near]} and {names[near + 1]}", _note(lengths[near] < 1)),
     ]
@@ -126,6 +129,7 @@ def describe_race(race: Race, top_speed: float | None = None) -> tuple[Finding, 
         *_drag(race),
         _knowledge(race),
         _latency(race, speed),
+        *_mass(race),
         *_limits(race),
         _difficulty(race, speed),
     )
@@ -139,6 +143,11 @@ def thrust_share(race: Race) -> float:
 def unknown_latency(race: Race) -> float:
     """Dead time [s] that the controller does not make up for."""
     return race.vehicle.delay - (race.believed.delay if race.controller.predict else 0.0)
+
+
+def missing_mass(race: Race) -> float:
+    """Share of its weight by which the vehicle is heavier than the controller believes [-]; negative where it is lighter."""
+    return race.vehicle.mass / race.believed.mass - 1
 
 
 def _thrust(race: Race) -> Finding:
@@ -182,6 +191,15 @@ def _latency(race: Race, speed: float) -> Finding:
     return Finding("unknown latency", f"{latency * 1e3:g} ms", remark, Level.NOTE)
 
 
+def _mass(race: Race) -> list[Finding]:
+    """A wrong mass is a lasting error: the controller has no integrator."""
+    missing = missing_mass(race)
+    if abs(missing) < SAME_MASS:
+        return []
+    remark = f"{'heavier' if missing > 0 else 'lighter'} than the controller believes: a lasting error; weigh it, set model.mass, tune then"
+    return [Finding("unknown mass", f"{abs(missing):.1%}", remark, Level.NOTE)]
+
+
 def _limits(race: Race) -> list[Finding]:
     """Limits of the controller that are tighter than the plan."""
     findings = []
@@ -201,16 +219,17 @@ def _limits(race: Race) -> list[Finding]:
 
 
 def _difficulty(race: Race, speed: float) -> Finding:
-    """A rule of thumb from the built-in races: thrust that is spent and metres flown blind."""
+    """A rule of thumb from the built-in races: thrust that is spent, metres flown blind, and weight that it does not know of."""
+    missing = missing_mass(race)
     blind = abs(unknown_latency(race)) * speed / race.judge.distance
     share, steady = thrust_share(race), steady_share(race) or 0.0
     if race.planned.thrust_to_weight <= 1:
         word, remark = "no plan", "the vehicle is too weak for a share of its thrust to carry it"
     elif steady > EXHAUSTED or (share > SPENT and race.judge.rule is Rule.CLOCK):
         word, remark = "beyond the vehicle", "expect partial completion, whatever the tuner"
-    elif blind > 0.4 or share > 0.85:
+    elif blind > 0.4 or share > 0.85 or missing > 0.07:
         word, remark = "hard", "the default weights are likely to miss gates"
-    elif blind > 0.15 or share > 0.7:
+    elif blind > 0.15 or share > 0.7 or missing > 0.045:
         word, remark = "moderate", "some weights will miss gates"
     else:
         word, remark = "easy", "most weights near the default will do"

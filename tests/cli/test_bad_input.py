@@ -126,6 +126,11 @@ CASES = {
 }
 
 
+def test_who_mistypes_a_goal_is_told_of_the_fastest_plan_where_it_can_be_asked_for(hotlap):
+    assert hotlap("tune", "straight.toml", "--goal", "laptime").err.endswith("or none; lap_time looks for the fastest plan\n")
+    assert "lap_time" not in hotlap("compare", "straight.toml", "--out", "c", "--goal", "fast").err
+
+
 @pytest.fixture
 def mistakes(here):
     for name, content in FILES.items():

@@ -36,6 +36,13 @@ def test_it_says_what_was_written_and_what_it_is_for(hotlap):
 
 
 @pytest.mark.usefixtures("faked")
+def test_a_race_of_ones_own_is_not_called_by_a_name_that_flies_nothing(hotlap):
+    hotlap(*TUNE)
+    ran = hotlap("export", "study", "--format", "toml", "--out", "my file.toml")
+    assert ran.out == "wrote my file.toml: hotlap fly RACE --parameters 'my file.toml'\n"
+
+
+@pytest.mark.usefixtures("faked")
 def test_parameters_that_were_not_confirmed_are_written_with_a_note(hotlap):
     assert hotlap(*TUNE, "--budget", "1", "--first-guess", "default").code == 1
     ran = hotlap("export", "study", "--format", "csv")

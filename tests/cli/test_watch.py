@@ -94,7 +94,10 @@ def test_other_hosts_methods_and_numbers_are_refused(finished, environment):
         for host in ("localhost", "127.0.0.1", "[::1]", "LOCALHOST"):
             assert ask(address, "/data.json?flights=1", Host=f"{host}:{address.port}")[0].status == 200, host
         for method in ("POST", "PUT", "DELETE", "PATCH", "OPTIONS"):
-            assert ask(address, "/", method)[0].status in {405, 501}, method
+            answer, said = ask(address, "/", method)
+            assert answer.status in {405, 501}, method
+            assert (answer.headers["Content-Type"], said.count("\n")) == ("text/plain; charset=utf-8", 1), method
+            assert answer.headers["X-Content-Type-Options"] == "nosniff", method
         answer, said = ask(address, "/", "HEAD")
         assert (answer.status, said) == (200, "")
         assert int(answer.headers["Content-Length"]) > 1000

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from hotlap.errors import InputError
@@ -35,6 +36,8 @@ def check_target(path: Path | None, suffixes: tuple[str, ...] = ()) -> None:
         raise InputError(str(path), "", "is a folder, not a file to write")
     if not path.parent.is_dir():
         raise InputError(str(path), "", f"cannot be written: there is no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK) and not (path.exists() and os.access(path, os.W_OK)):
+        raise InputError(str(path), "", "cannot be written: Permission denied")
     if suffixes and path.suffix.lower() not in suffixes:
         raise InputError(str(path), "", f"must end with {', '.join(suffixes)}")
 

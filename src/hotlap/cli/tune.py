@@ -19,7 +19,7 @@ from hotlap.cli.summary import dump_holds, summarise
 from hotlap.configuration import Configuration
 from hotlap.errors import HotlapError, InputError, StudyError
 from hotlap.files import PARAMETERS_FILE, save_parameters
-from hotlap.goal import Quantity, parse_goal
+from hotlap.goal import Goal, Quantity, parse_goal
 from hotlap.objective import Objective
 from hotlap.result import Result
 from hotlap.saved_parameters import Remark, SavedParameters
@@ -65,7 +65,7 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
     """Check everything that was asked for, the quick things first, and plan."""
     names = ("budget", "seed", "confirm", "validation", "reliability", "batch", "randomise", "worlds")
     numbers = {name: getattr(options, name) for name in names}
-    settings = TuningSettings(goal=parse_goal(options.goal), **numbers)
+    settings = TuningSettings(goal=_goal(options.goal), **numbers)
     tuner, world = tuners.build(options.tuner), worlds.build(options.on)
     if options.randomise and not world.takes_truth:
         raise InputError("--randomise", "", f"{world.name} flies the vehicle that it has")
@@ -79,6 +79,14 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
         course = course_for(make_course(load(options), options), tuner)
     first = read_guess(options.first_guess, course)
     return world, Configuration(course, world.name, settings.goal.metric, tuner.name, settings, first)
+
+
+def _goal(text: str) -> Goal:
+    """What is to be reached; who mistypes it learns of the one goal that is no `Goal`, too."""
+    try:
+        return parse_goal(text)
+    except InputError as error:
+        raise InputError(error.source, error.key, f"{error.reason}; {LAP_TIME} looks for the fastest plan") from None
 
 
 def _carry_out(study: Study, world: World) -> Result:

@@ -41,8 +41,8 @@ def refuse_impossible(problem: Problem) -> None:
     far = problem.legs - 2 * problem.tolerance > fastest * LONGEST
     if far.any():
         phase = int(np.argmax(far))
-        reason = f"{problem.legs[phase]:.0f} m away from the point before it: more than {LONGEST:g} s even at {fastest[phase]:.0f} m/s"
-        raise problem.error(phase, reason)
+        even = f"more than {LONGEST:g} s even at {fastest[phase]:.0f} m/s (gates are in metres)"
+        raise problem.error(phase, f"{problem.legs[phase]:.0f} m away from the point before it: {even}")
 
 
 def refuse_coarse(problem: Problem, plan: Trajectory) -> None:

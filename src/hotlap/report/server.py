@@ -91,6 +91,11 @@ class Answer(BaseHTTPRequestHandler):
         """The same without the content."""
         self._answer()
 
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:  # noqa: ARG002  its signature
+        """What cannot be understood is refused in a line, with the headers of every answer."""
+        status = HTTPStatus(code)
+        self._send(status, PLAIN, f"{message or status.phrase}\n")
+
     def log_message(self, *_: Any, **__: Any) -> None:
         """Nothing: who watches is nobody's business."""
 
