@@ -70,7 +70,7 @@ def test_a_browser_leaves_out_the_port_of_the_web():
         assert not server.knows("evil.example")
 
 
-@pytest.mark.parametrize(("host", "others"), [("0.0.0.0", True), ("::", True), ("127.0.0.1", False)])
+@pytest.mark.parametrize(("host", "others"), [("0.0.0.0", True), ("::", True), ("127.0.0.1", False)])  # noqa: S104  what is tested
 def test_who_listens_everywhere_is_known_by_any_number_but_by_no_other_name(host, others):
     with Server(Big(), host, 0) as server:
         port = server.server_port
