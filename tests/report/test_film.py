@@ -43,6 +43,21 @@ def test_a_take_is_followed_to_the_end_and_counts_its_gates(takes):
         np.testing.assert_allclose(np.linalg.norm(take.attitude, axis=1), 1)
 
 
+class LateWorld(PlausibleWorld):
+    """Passes the last gate after the end of the reference, as a rule of approach allows."""
+
+    def fly(self, course, parameters, seeds, **options):
+        flown, late = super().fly(course, parameters, seeds, **options), np.full(len(seeds), course.reference.duration + 0.25)
+        return replace(flown, end_time=late, lap_time=late)
+
+
+def test_a_lap_that_ends_after_the_reference_is_seen_to_end():
+    course = make_course()
+    (take,) = film_takes(course, LateWorld(), choose(course, *2 * [np.tile(OPTIMUM, (2, 1))])[:1], seed=3, interval=0.1)
+    assert not take.failed
+    assert take.judged <= len(take) - 1
+
+
 def test_a_camera_keeps_lengths_across_and_up_is_up():
     camera = aim(np.array([[0.0, 0, 0], [10, 0, 0], [5, 2, 1]]))
     assert np.linalg.norm(camera.right) == pytest.approx(1)

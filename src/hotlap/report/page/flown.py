@@ -84,7 +84,7 @@ def _effort(effort: Effort) -> dict[str, Any]:
         "thrust_activity": effort.thrust_activity,
         "rate_activity": effort.rate_activity,
         "saturated": effort.saturated,
-        "oscillation": {"frequency": effort.frequency, "share": effort.share},
+        "oscillation": {"frequency": effort.frequency or None, "share": effort.share},
     }
 
 
