@@ -63,7 +63,7 @@ export interface Course {
   readonly reference: Reference;
   readonly limits: { readonly thrust: readonly number[]; readonly rates: readonly number[]; readonly rotor_thrust: readonly number[] };
   readonly arm: number;
-  readonly layout?: "x" | "plus";
+  readonly layout: "x" | "plus";
 }
 
 export interface EffortNumbers {

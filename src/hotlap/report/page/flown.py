@@ -36,6 +36,7 @@ def describe_course(course: Course) -> dict[str, Any]:
         "reference": _reference(course),
         "limits": {"thrust": list(settings.thrust), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
         "arm": vehicle.arm,
+        "layout": str(vehicle.layout),
     }
 
 
