@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -121,6 +122,23 @@ def test_an_mp4_is_played_by_ffmpeg(tmp_path):
     played = subprocess.run([find_ffmpeg(), "-i", path, "-f", "null", "-"], capture_output=True, text=True, check=True)
     assert "h264" in played.stderr
     assert "64x32" in played.stderr
+
+
+def test_an_mp4_is_written_frame_by_frame(tmp_path):
+    """Hundreds of frames in memory at once would be half a gigabyte."""
+    alive, most = [], 0
+
+    def watched():
+        nonlocal most
+        for frame in frames(count=60):
+            alive.append(weakref.ref(frame))
+            most = max(most, sum(known() is not None for known in alive))
+            yield frame
+            del frame
+
+    record(tmp_path / "lap.mp4", watched())
+    assert len(alive) == 60
+    assert most < 10
 
 
 def test_without_ffmpeg_an_mp4_is_refused_in_one_line(tmp_path, monkeypatch):
