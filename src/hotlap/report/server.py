@@ -82,7 +82,7 @@ class Server(ThreadingHTTPServer):
         host, colon, port = name.lower().rpartition(":") if re.search(r":\d+$", name) else (name.lower(), "", "")
         if (port if colon else "80") != str(self.server_port):  # of the web, browsers leave it out
             return False
-        everywhere = ipaddress.ip_address(self.server_address[0]).is_unspecified
+        everywhere = ipaddress.ip_address(str(self.server_address[0])).is_unspecified
         return host in {*LOCAL, _bracketed(self._host).lower()} or (everywhere and _is_number(host))
 
     def handle_error(self, request: Any, client_address: Any) -> None:

@@ -95,9 +95,10 @@ def _import(path: str) -> tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]:
     except Exception as error:  # a module of someone else's may raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError("--tuner", "", f"{path} cannot be imported: {reason}") from error
-    if not callable(made) or not presets:
-        reason = "its PRESETS are empty" if callable(made) else "it is no class"
-        raise InputError("--tuner", "", f"{path} cannot be imported: {reason}")
+    if not isinstance(made, type):
+        raise InputError("--tuner", "", f"{path} cannot be imported: it is no class")
+    if not presets:
+        raise InputError("--tuner", "", f"{path} cannot be imported: its PRESETS are empty")
     return made, presets
 
 
