@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
 from fake_world import FakeWorld, make_course
 from hotlap.objective import Objective
@@ -59,3 +60,11 @@ def test_a_cost_of_ones_own_takes_the_place_of_both_costs_and_of_nothing_else():
     np.testing.assert_array_equal(own.cost, flights.max_error + plain.completion)
     np.testing.assert_array_equal(own.dense, own.cost)
     np.testing.assert_array_equal(own.completion, plain.completion)
+
+
+@pytest.mark.parametrize("cost", [lambda flights, _: flights.max_error.mean(), lambda flights, _: flights.max_error[:, None]])
+def test_a_cost_of_ones_own_is_one_number_a_flight(cost):
+    course = make_course()
+    parameters = np.tile(course.space.first_guess(2), (6, 1, 1))
+    with pytest.raises(ValueError, match=r"cost must have shape \(6,\), one number a flight, not \("):
+        Objective(course, FakeWorld(), cost=cost).fly(parameters, np.arange(6))

@@ -43,6 +43,23 @@ async function play(page) {
   check(Math.abs((await time(page)) - stopped - 0.1) < 0.02, "an arrow moves the clock by a tenth of a second");
 }
 
+/** However often someone points at a chart, the clock makes one step a frame. */
+async function count(page) {
+  const asked = await page.evaluate(async () => {
+    const chart = document.querySelector("#telemetry .u-over");
+    if (document.getElementById("play").textContent === "▶") document.getElementById("play").click();
+    for (let i = 0; i < 20; i++) for (const name of ["pointerenter", "pointerleave"]) chart.dispatchEvent(new PointerEvent(name));
+    const ask = window.requestAnimationFrame;
+    let asked = 0;
+    window.requestAnimationFrame = (call) => ask((now) => (asked++, call(now)));
+    for (let frame = 0; frame < 10; frame++) await new Promise((next) => ask(next));
+    window.requestAnimationFrame = ask;
+    document.getElementById("play").click();
+    return asked;
+  });
+  check(asked <= 30, `the clock makes one step a frame, not ${asked} in ten frames`);
+}
+
 /** Slider, charts and segments are linked. */
 async function link(page) {
   await page.locator("#time").fill("1");
@@ -97,6 +114,7 @@ async function desktop(browser) {
   const { page } = opened;
   await comes(page, () => window.hotlap?.frames() > 0);
   await play(page);
+  await count(page);
   await link(page);
   await choose(page);
   await inspect("desktop", opened);

@@ -9,6 +9,7 @@ export class Clock {
   readonly rate = new Signal(1);
   private last = 0;
   private held = false;
+  private next = 0;
 
   /** @param end [s] where it stops. */
   constructor(private end: number) {}
@@ -32,7 +33,8 @@ export class Clock {
     if (this.time.value >= this.end - 1e-6) this.seek(0);
     this.playing.value = true;
     this.last = performance.now();
-    requestAnimationFrame(this.step);
+    cancelAnimationFrame(this.next); // of a hold that was released before the screen's next frame: one step a frame
+    this.next = requestAnimationFrame(this.step);
   }
 
   pause(): void {
@@ -64,6 +66,6 @@ export class Clock {
     this.last = now;
     this.seek(this.time.value + Math.max(passed, 0) * this.rate.value);
     if (this.time.value >= this.end) this.pause();
-    else requestAnimationFrame(this.step);
+    else this.next = requestAnimationFrame(this.step);
   };
 }

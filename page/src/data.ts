@@ -15,6 +15,7 @@ export interface Headline {
   readonly vehicle: string;
   readonly model: string;
   readonly latency_unknown: number | null;
+  readonly mistaken?: readonly string[];
   readonly tuner: string;
   readonly goal: string;
   readonly seed: number;
@@ -63,7 +64,7 @@ export interface Course {
   readonly reference: Reference;
   readonly limits: { readonly thrust: readonly number[]; readonly rates: readonly number[]; readonly rotor_thrust: readonly number[] };
   readonly arm: number;
-  readonly layout?: "x" | "plus";
+  readonly layout: "x" | "plus";
 }
 
 export interface EffortNumbers {

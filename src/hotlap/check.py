@@ -150,6 +150,12 @@ def missing_mass(race: Race) -> float:
     return race.vehicle.mass / race.believed.mass - 1
 
 
+def mistaken(race: Race) -> tuple[str, ...]:
+    """Keys of the vehicle that its controller takes for something else."""
+    names = (name for name in type(race.vehicle).model_fields if name not in DESCRIBING)
+    return tuple(name for name in names if getattr(race.vehicle, name) != getattr(race.believed, name))
+
+
 def _thrust(race: Race) -> Finding:
     share = thrust_share(race)
     late = "no tuner will help" if race.judge.rule is Rule.CLOCK else "the drone will fall behind its clock"
@@ -176,10 +182,8 @@ def _drag(race: Race) -> list[Finding]:
 
 
 def _knowledge(race: Race) -> Finding:
-    believed = race.believed
-    names = [name for name in type(believed).model_fields if getattr(race.vehicle, name) != getattr(believed, name)]
-    unknown = [name for name in names if name not in DESCRIBING]
-    return Finding("controller's model", believed.name, f"differs in {', '.join(unknown)}" if unknown else "equals the vehicle")
+    unknown = mistaken(race)
+    return Finding("controller's model", race.believed.name, f"differs in {', '.join(unknown)}" if unknown else "equals the vehicle")
 
 
 def _latency(race: Race, speed: float) -> Finding:

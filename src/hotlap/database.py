@@ -104,6 +104,16 @@ class Database:
             raise
 
     @contextmanager
+    def snapshot(self) -> Iterator[None]:
+        """All that is read inside is of one moment; who writes waits."""
+        self.execute("BEGIN")
+        try:
+            yield
+        finally:
+            if self._connection.in_transaction:
+                self.execute("ROLLBACK")
+
+    @contextmanager
     def worded(self) -> Iterator[None]:
         """SQLite's complaints as one clear line; what is our own mistake passes."""
         try:

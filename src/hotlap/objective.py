@@ -60,4 +60,6 @@ class Objective:
         if self.cost is None:
             return flights, scores
         own = np.asarray(self.cost(flights, scores), dtype=np.float64)
+        if own.shape != (len(flights),):
+            raise ValueError(f"cost must have shape ({len(flights)},), one number a flight, not {own.shape}")
         return flights, replace(scores, cost=own, dense=own)

@@ -11,7 +11,7 @@ import platform
 import re
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from datetime import datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -169,6 +169,10 @@ class Study:
             lap_time=np.array(lap_time, dtype=np.float64),
             accepted=np.array(accepted, dtype=np.bool_),
         )
+
+    def snapshot(self) -> AbstractContextManager[None]:
+        """A context within which all that is read is of one moment, also while another process works on the study; keep it short."""
+        return self._database.snapshot()
 
     def record(self, batch: Batch) -> None:
         """Keep a batch and the state after it: both or neither.

@@ -11,6 +11,7 @@ from hotlap.cli import main
 from hotlap.cli.arguments import EXPERIMENTS as NAMED
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE, RACES, TABLE_I
+from hotlap.reproduce.tables import METHODS, _budgets
 
 
 def test_what_can_be_asked_is_what_there_is():
@@ -44,3 +45,16 @@ def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, ca
     assert json.loads(again.out)["experiments"][name] == first
     assert (tmp_path / f"{name}-quick" / "page.md").read_text(encoding="utf-8") == page
     assert "now" not in again.err
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("table1", "2 seeds, 20 flights, from"), ("table3", "within 20 flights, with 95 % intervals; 2 seeds on circle-34.")]
+)
+def test_a_short_form_says_what_it_flew(name, said, tmp_path, capsys):
+    assert main(["reproduce", name, "--quick", "--jobs", "1", "--out", str(tmp_path)]) == 0
+    capsys.readouterr()
+    assert said in (tmp_path / f"{name}-quick" / "page.md").read_text(encoding="utf-8")
+
+
+def test_the_budgets_are_those_of_the_paper():
+    assert _budgets(METHODS, quick=False) == "200 flights (PSO 1000, CMA-ES 1000), as in the paper"

@@ -24,19 +24,23 @@ KNOWN_DELAY = {"delay": 0.03}
 
 
 class Recorder:
-    """Takes what an AcadosOcpSolver takes, and keeps what the stages' costs come to: acados multiplies by the time step."""
+    """Takes what an AcadosOcpSolver takes, and keeps what the stages' costs come to.
 
-    def __init__(self) -> None:
+    As in acados, new time steps are also the new factors of the stages' costs, whatever `cost_scaling` these had.
+    """
+
+    def __init__(self, cost_scaling: float = 0.1) -> None:
         self.costs: dict[int, np.ndarray] = {}
+        self.scaling = np.full(NODES, cost_scaling)
 
     def set_new_time_steps(self, steps: np.ndarray) -> None:
         assert steps.shape == (NODES,)
-        self.steps = steps
+        self.steps = self.scaling = steps
 
     def cost_set(self, stage: int, field: str, value: np.ndarray) -> None:
         assert field == "W"
         assert value.shape == ((14, 14) if stage < NODES else (10, 10))
-        self.costs[stage] = value * (self.steps[stage] if stage < NODES else 1.0)
+        self.costs[stage] = value * (self.scaling[stage] if stage < NODES else 1.0)
 
 
 def cases():
@@ -94,11 +98,12 @@ def test_the_exported_quadratic_has_the_gradient_that_the_controller_descends():
     np.testing.assert_allclose(flown, numerical, rtol=1e-5, atol=1e-4)
 
 
-def test_without_cost_scaling_the_weights_are_set_as_they_are(tmp_path):
+@pytest.mark.parametrize("made_with", [0.05, 1.0])
+def test_the_cost_is_the_same_however_the_solver_scaled_its_stages_before(tmp_path, made_with):
     (tmp_path / "weights.json").write_text(json.dumps(weights(tuned(make_course()))))
-    solver = Recorder()
-    TunedWeights(tmp_path / "weights.json", cost_scaling=False).apply(solver, 0.0)
-    assert solver.costs[0][0, 0] / solver.steps[0] == pytest.approx(VALUES[0, 0])
+    solver = Recorder(made_with)
+    TunedWeights(tmp_path / "weights.json").apply(solver, 0.0)
+    assert solver.costs[0][0, 0] == pytest.approx(VALUES[0, 0])
     assert solver.costs[NODES][0, 0] == VALUES[0, 0]
 
 

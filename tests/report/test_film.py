@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -41,6 +42,21 @@ def test_a_take_is_followed_to_the_end_and_counts_its_gates(takes):
         assert (np.diff(take.passed) >= 0).all()
         assert len(take.position) == len(take.attitude) == len(take.speed) == len(take.passed)
         np.testing.assert_allclose(np.linalg.norm(take.attitude, axis=1), 1)
+
+
+class LateWorld(PlausibleWorld):
+    """Passes the last gate after the end of the reference, as a rule of approach allows."""
+
+    def fly(self, course, parameters, seeds, **options):
+        flown, late = super().fly(course, parameters, seeds, **options), np.full(len(seeds), course.reference.duration + 0.25)
+        return replace(flown, end_time=late, lap_time=late)
+
+
+def test_a_lap_that_ends_after_the_reference_is_seen_to_end():
+    course = make_course()
+    (take,) = film_takes(course, LateWorld(), choose(course, *2 * [np.tile(OPTIMUM, (2, 1))])[:1], seed=3, interval=0.1)
+    assert not take.failed
+    assert take.judged <= len(take) - 1
 
 
 def test_a_camera_keeps_lengths_across_and_up_is_up():
@@ -106,6 +122,23 @@ def test_an_mp4_is_played_by_ffmpeg(tmp_path):
     played = subprocess.run([find_ffmpeg(), "-i", path, "-f", "null", "-"], capture_output=True, text=True, check=True)
     assert "h264" in played.stderr
     assert "64x32" in played.stderr
+
+
+def test_an_mp4_is_written_frame_by_frame(tmp_path):
+    """Hundreds of frames in memory at once would be half a gigabyte."""
+    alive, most = [], 0
+
+    def watched():
+        nonlocal most
+        for frame in frames(count=60):
+            alive.append(weakref.ref(frame))
+            most = max(most, sum(known() is not None for known in alive))
+            yield frame
+            del frame
+
+    record(tmp_path / "lap.mp4", watched())
+    assert len(alive) == 60
+    assert most < 10
 
 
 def test_without_ffmpeg_an_mp4_is_refused_in_one_line(tmp_path, monkeypatch):

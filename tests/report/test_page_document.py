@@ -15,9 +15,12 @@ from fake_world import make_course
 from hotlap import toml
 from hotlap.files import load_race
 from hotlap.ledger import Ledger
+from hotlap.quadrotor import Layout
 from hotlap.race import JudgeSettings, Rule
+from hotlap.report.effort import Effort
 from hotlap.report.page.document import MOST_SAMPLES, describe
 from hotlap.report.page.encoding import MOST_ROWS, number, pack, thin, write_json
+from hotlap.report.page.flown import describe_course, describe_trace
 from hotlap.report.page.shown import glance, show
 from hotlap.seeds import Stream
 
@@ -172,3 +175,19 @@ def test_a_study_of_failures_has_a_document(tmp_path, world, goal):
 def test_the_rule_is_one_of_two(tmp_path, rule, name):
     standing = begin(tmp_path, configure(make_course(JudgeSettings(rule=rule, fly_on=True))))
     assert describe(standing, None)["course"]["rule"] == name
+
+
+def test_a_flight_that_never_turns_has_no_frequency(study):
+    shown = glance(study.configuration, PlausibleWorld(), study.best)
+    still, shaking = Effort(0.0, 0.0, 0.0, 0.0, 0.0), Effort(1.0, 2.0, 0.0, 8.0, 0.5)
+    effort = describe_trace(shown.scene.traces[0], (still, shaking))["effort"]
+    assert effort["oscillation"] == {"frequency": None, "share": 0.0}
+    assert effort["reference"]["oscillation"] == {"frequency": 8.0, "share": 0.5}
+
+
+@pytest.mark.parametrize("layout", list(Layout))
+def test_the_rotors_are_where_the_vehicle_has_them(layout):
+    course = make_course()
+    vehicle = course.race.vehicle.model_copy(update={"layout": layout})
+    told = json.loads(write_json(describe_course(replace(course, race=course.race.model_copy(update={"vehicle": vehicle})))))
+    assert told["layout"] == str(layout)

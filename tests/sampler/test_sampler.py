@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 import threading
 
@@ -258,3 +259,20 @@ def test_a_run_of_another_version_is_left_and_a_new_one_begun():
     copy.optimize(bowl, n_trials=1)
     assert Note.of(study.trials[10]).origin.run == 0
     assert Note.of(copy.trials[10]).origin.run == 1
+
+
+@pytest.mark.parametrize(("tuner", "direction"), [("bayesian", "minimize"), ("particle_swarm", "maximize"), ("guided_walk", "maximize")])
+def test_a_value_that_nothing_can_beat_does_not_end_the_search(tuner, direction):
+    """As of a logarithm of nothing: the others are still told apart."""
+    sign = 1.0 if direction == "minimize" else -1.0
+
+    def objective(trial):
+        x = trial.suggest_float("x", 0.0, 1.0)
+        return sign * (-math.inf if trial.number == 3 else (x - 0.3) ** 2)
+
+    study = optuna.create_study(sampler=HotlapSampler(tuner, seed=1), direction=direction)
+    study.optimize(objective, n_trials=40)
+    tried = np.array([trial.params["x"] for trial in study.trials[10:]])
+    assert np.isfinite(tried).all()
+    assert len(np.unique(tried)) > 5
+    assert np.abs(tried - 0.3).min() < 0.05

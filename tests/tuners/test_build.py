@@ -56,3 +56,26 @@ def test_what_cannot_be_imported_is_one_line(name):
     with pytest.raises(InputError, match=r"--tuner: .* cannot be imported: ") as caught:
         tuners.build(name)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def Mine(:\n",
+        "import no_such_name_anywhere.at_all\n",
+        "oops\n",
+        "1 / 0\n",
+        "Mine, PRESETS = 3, {'a': 1}\n",
+        "Mine, PRESETS = dict, {}\n",
+    ],
+    ids=["syntax", "import", "name", "zero", "no class", "no presets"],
+)
+def test_a_module_that_is_broken_is_one_line_that_says_how(tmp_path, monkeypatch, text):
+    (tmp_path / "broken_tuner_of_a_test.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    try:
+        with pytest.raises(InputError, match=r"--tuner: broken_tuner_of_a_test\.Mine cannot be imported: \w+") as caught:
+            tuners.build("broken_tuner_of_a_test.Mine")
+    finally:
+        sys.modules.pop("broken_tuner_of_a_test", None)
+    assert "\n" not in str(caught.value)

@@ -23,7 +23,7 @@ export function sensitivity(app: App): { readonly element: HTMLElement; readonly
   };
   const { sensitivity: flown, parameters } = app.parts;
   for (const signal of [flown, parameters]) signal.after(build);
-  const note = "The tuned parameters, one at a time multiplied in all segments. Line: mean completion; bars: share of flights that pass all gates.";
+  const note = "The tuned parameters, one at a time multiplied in all segments, but moved no further than to their bounds. Line: mean completion; bars: share of flights that pass all gates.";
   return { element: card("sensitivity", "Which parameters matter?", note, body), build };
 }
 
@@ -47,7 +47,7 @@ function say(flown: Sensitivity, set: ParameterSet, order: readonly number[]): (
     const { most, factor } = loss(flown, k);
     words.push(symbol(set.symbols[k] ?? set.names[k]), ` times ${fraction(factor)} loses ${percent(most)} of the gates. `);
   }
-  if (idle.length) words.push(...list(idle), idle.length === 1 ? " hardly matters" : " hardly matter", `: completion stays within ${percent(LITTLE)} from ${ends[0]} to ${ends[1]} times the tuned value. `);
+  if (idle.length) words.push(...list(idle), idle.length === 1 ? " hardly matters" : " hardly matter", `: completion stays within ${percent(LITTLE)} from ${ends[0]} to ${ends[1]} times the tuned value, or the bounds. `);
   if (!idle.length && !strong.length) words.push("All parameters matter a little. ");
   words.push(`${flown.flights} flights a point.`);
   return words;

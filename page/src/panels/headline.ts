@@ -16,7 +16,8 @@ export function headline(app: App): HTMLElement {
 }
 
 function title(told: Headline): HTMLElement {
-  const vehicle = [told.vehicle, told.latency_unknown ? `${Math.round(1000 * told.latency_unknown)} ms latency it does not know of` : ""];
+  const mistaken = (told.mistaken ?? []).map((name) => name.replaceAll("_", " ")).join(", ");
+  const vehicle = [told.vehicle, latency(told.latency_unknown ?? 0), mistaken && `another ${mistaken} than its controller believes`];
   const work = told.state === "running" ? `running: ${told.flights} of ${told.budget} flights` : `tuned in ${count(told.flights, "flight")}`;
   const time = told.wall_time === null ? "" : `, ${told.wall_time < 100 ? told.wall_time.toFixed(1) : Math.round(told.wall_time)} s`;
   return h(
@@ -27,6 +28,12 @@ function title(told: Headline): HTMLElement {
     h("p", { class: "quiet" }, `${work}${time} by ${told.tuner.replace(/:default$/, "").replaceAll("_", " ")}; goal ${told.goal}; seed ${told.seed}`),
     told.remark ? h("p", { class: "quiet" }, told.remark) : null,
   );
+}
+
+/** What the controller does not know of the time that its commands take, or reckons with in vain [s]. */
+function latency(unknown: number): string {
+  const milliseconds = Math.abs(Math.round(1000 * unknown));
+  return milliseconds === 0 ? "" : unknown > 0 ? `${milliseconds} ms latency it does not know of` : `a controller that reckons with ${milliseconds} ms too much latency`;
 }
 
 function facts(told: Headline): HTMLElement[] {

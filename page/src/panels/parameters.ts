@@ -31,8 +31,8 @@ function kept(set: ParameterSet): HTMLElement | null {
 }
 
 function head(cares: boolean): HTMLElement {
-  const names = ["", "first → tuned", "□ default ○ first ● tuned"];
-  const last = cares ? h("th", { scope: "col", title: "share of the gates that is lost when the value is multiplied by 1/4 or 4 in this segment alone" }, "loss if wrong") : null;
+  const names = ["", "first → tuned", "□\u00a0default ○\u00a0first ●\u00a0tuned"];
+  const last = cares ? h("th", { scope: "col", title: "share of the gates that is lost when the value is multiplied by 1/4 or 4, or moved to its bound, in this segment alone" }, "loss if wrong") : null;
   return h("thead", {}, h("tr", {}, ...names.map((name) => h("th", { scope: "col" }, name)), last));
 }
 

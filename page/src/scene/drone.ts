@@ -29,7 +29,7 @@ export class Drone {
     private readonly ghost: boolean,
   ) {
     this.full = course.limits.rotor_thrust[1] || 1;
-    const places = PLACES[course.layout ?? "x"];
+    const places = PLACES[course.layout];
     const opacity = ghost ? 0.55 : 1;
     const frame = new MeshBasicMaterial({ color: palette.ink, transparent: ghost, opacity });
     const paint = new MeshBasicMaterial({ color: colour, transparent: ghost, opacity, side: DoubleSide });

@@ -101,10 +101,12 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[Knobs, dic
                 "holds in": f"{validation.successes} of {validation.flights} flights ({100 * low:.0f} to {100 * high:.0f} %)",
                 "plan": knobs.key,
                 "largest speed": f"{course.reference.max_speed:.1f} m/s",
-                "study": str(folder),
+                "race": str(folder / RACE_FILE),
+                "parameters": str(folder / PARAMETERS_FILE),
             }
         ),
         f"fly it again: {shlex.join(['hotlap', 'fly', str(folder / RACE_FILE), '--parameters', str(folder)])}",
+        f"a study of it, with its page: {shlex.join(['hotlap', 'tune', str(folder / RACE_FILE), '--first-guess', str(folder)])}",
     ]
     present(as_json=options.json, document=document, lines=lines)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from argparse import Namespace
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -44,6 +45,8 @@ def summarise(result: Result, holds: Sequence[Hold], paths: Mapping[str, Any], o
         yield "will it hold?"
         yield from facts({hold.change: share(hold.validation) for hold in holds})
     yield f"fly it again: {command_to_fly(options, Path(paths['study']))}"
+    if not result.best.confirmed and result.goal != "none":
+        yield f"what may be in the way: {shlex.join(['hotlap', 'check', options.race])}"
 
 
 def dump_holds(holds: Sequence[Hold]) -> list[dict[str, Any]]:

@@ -7,8 +7,9 @@ The solver is to have `weights.nodes` shooting intervals and a LINEAR_LS or NONL
 the end, in this order: position p, attitude q (w, x, y, z; body to world), velocity v; collective thrust per mass, body rates. The
 quaternion of yref is to have the sign of the measured one: |q - q_ref| is charged as it stands.
 
-The cost that was tuned is a plain sum over the nodes; acados multiplies a stage's cost by its time step, unless its `cost_scaling`
-says otherwise, and the end's by 1. So W is divided by the time step here.
+The cost that was tuned is a plain sum over the nodes; acados multiplies a stage's cost by its time step, and the end's by 1. So W is
+divided by the time step here. This holds whatever `cost_scaling` the stages of the solver were made with: setting new time steps sets
+the factors of the stages to them. That of the end is to be 1, its default.
 """
 
 from __future__ import annotations
@@ -25,7 +26,6 @@ class TunedWeights:
 
     Args:
         path: the JSON file that was written beside this one.
-        cost_scaling: whether acados multiplies stage costs by the time step, its default.
 
     Attributes:
         nodes: N, shooting intervals.
@@ -33,9 +33,9 @@ class TunedWeights:
         piece: of the reference, that the drone flies with.
     """
 
-    def __init__(self, path: str | Path, *, cost_scaling: bool = True) -> None:
+    def __init__(self, path: str | Path) -> None:
         self.data = json.loads(Path(path).read_text(encoding="utf-8"))
-        self.nodes, self.cost_scaling = self.data["nodes"], cost_scaling
+        self.nodes = self.data["nodes"]
         self.low, self.high = np.array(self.data["low"]), np.array(self.data["high"])
         self._starts = np.array([piece["start"] for piece in self.data["pieces"]])
         self.reset()
@@ -64,7 +64,7 @@ class TunedWeights:
         solver.set_new_time_steps(np.full(self.nodes, spacing))
         for stage, segment in enumerate(self._segments(times)):
             last = stage == self.nodes
-            scale = spacing if self.cost_scaling and not last else 1.0
+            scale = 1.0 if last else spacing
             solver.cost_set(stage, "W", np.diag(segment["W_e" if last else "W"]) / scale)
         return times
 

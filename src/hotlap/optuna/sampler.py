@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import threading
 import time
@@ -93,8 +94,10 @@ class HotlapSampler(BaseSampler):
         with self._lock:
             trials, sign = study.get_trials(deepcopy=False), _sign(study)
             costs = {each.number: cost_of(each, sign) for each in trials if each.number != trial.number and box.holds(each.params)}
-            if not np.isfinite(list(costs.values())).any():
+            finite = [cost for cost in costs.values() if math.isfinite(cost)]
+            if not finite:
                 return {}
+            costs = {number: min(finite) if cost == -math.inf else cost for number, cost in costs.items()}
             return self._from_all(study, trial, box, costs) if self._learns_from_any else self._from_runs(study, trial, box, costs)
 
     def sample_independent(self, study: Study, trial: FrozenTrial, param_name: str, param_distribution: BaseDistribution) -> Any:

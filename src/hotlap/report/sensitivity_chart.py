@@ -39,7 +39,7 @@ def sensitivity(found: Sensitivity, change: Change, title: str) -> Figure:
             axes.tick_params(labelleft=False)
         if k == 0:
             upper.set_ylabel("completion [%]")
-    detail = f"upper: multiplied in all segments, {found.flights} flights a point; lower: lost when a quarter or four times in one"
+    detail = f"upper: multiplied in all segments, within bounds, {found.flights} flights a point; lower: lost when ¼ or 4 times in one"
     key = [("━", BEST, "gates passed"), ("┄", QUIET, "flights that pass all"), ("█", CLASS_COLOURS[change.segments.classes[0]], "loss")]
     headline(figure, 0.15, title, detail, key)
     return figure

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import ipaddress
 import re
 import socket
 import socketserver
+import sys
 from collections.abc import Iterable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -73,8 +75,20 @@ class Server(ThreadingHTTPServer):
         return f"http://{_bracketed(self._host)}:{self.server_port}/"
 
     def knows(self, name: str) -> bool:
-        """Whether a browser that came by some name of a host meant this one, and was not led here by another's name."""
-        return name.lower() in {f"{host}:{self.server_port}" for host in (*LOCAL, _bracketed(self._host).lower())}
+        """Whether a browser that came by some name of a host meant this one, and was not led here by another's name.
+
+        Who listens on every address has as many; no name leads to a number, so that any number will do.
+        """
+        host, colon, port = name.lower().rpartition(":") if re.search(r":\d+$", name) else (name.lower(), "", "")
+        if (port if colon else "80") != str(self.server_port):  # of the web, browsers leave it out
+            return False
+        everywhere = ipaddress.ip_address(str(self.server_address[0])).is_unspecified
+        return host in {*LOCAL, _bracketed(self._host).lower()} or (everywhere and _is_number(host))
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Nothing, where a browser has left before it had all; else what is known of our own mistake."""
+        if not isinstance(sys.exception(), ConnectionError | TimeoutError):
+            super().handle_error(request, client_address)
 
 
 class Answer(BaseHTTPRequestHandler):
@@ -103,7 +117,10 @@ class Answer(BaseHTTPRequestHandler):
         if not self.server.knows(self.headers.get("Host", "")):
             self._send(HTTPStatus.FORBIDDEN, PLAIN, "this is not the host that you asked for\n")
             return
-        asked = urlsplit(self.path)
+        try:
+            asked = urlsplit(self.path)
+        except ValueError:  # brackets that do not match
+            asked = urlsplit("")
         try:
             if asked.path == "/":
                 self._send(HTTPStatus.OK, HTML, self.server.source.page())
@@ -158,3 +175,11 @@ def _find(host: str, port: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
 def _bracketed(host: str) -> str:
     """As it stands in an address of the web."""
     return f"[{host}]" if ":" in host else host
+
+
+def _is_number(host: str) -> bool:
+    """Whether a host stands in an address as a number, an IPv6 one in brackets."""
+    try:
+        return host == _bracketed(str(ipaddress.ip_address(host.removeprefix("[").removesuffix("]"))))
+    except ValueError:
+        return False

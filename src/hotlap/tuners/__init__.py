@@ -91,9 +91,15 @@ def _import(path: str) -> tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]:
     place, _, name = path.rpartition(".")
     try:
         module = import_module(place)
-        return getattr(module, name), module.PRESETS
-    except (ImportError, AttributeError, TypeError, ValueError) as error:
-        raise InputError("--tuner", "", f"{path} cannot be imported: {error}") from None
+        made, presets = getattr(module, name), module.PRESETS
+    except Exception as error:  # a module of someone else's may raise anything
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError("--tuner", "", f"{path} cannot be imported: {reason}") from error
+    if not isinstance(made, type):
+        raise InputError("--tuner", "", f"{path} cannot be imported: it is no class")
+    if not presets:
+        raise InputError("--tuner", "", f"{path} cannot be imported: its PRESETS are empty")
+    return made, presets
 
 
 __all__ = ["DEFAULT", "Tuner", "build", "names"]

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 from collections.abc import Iterable
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -97,7 +98,7 @@ def _write_mp4(path: Path, frames: Iterable[Pixels], rate: int) -> None:
     made = ["-vf", f"tpad=stop_mode=clone:stop_duration={LINGER}", "-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p"]
     command = [find_ffmpeg(), "-y", "-loglevel", "error", *source, *made, "-movflags", "+faststart", "-f", "mp4", str(path)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
-        _, complaint = _feed(process, [first, *frames])
+        _, complaint = _feed(process, chain([first], frames))
     if process.returncode:
         raise OSError(f"ffmpeg: {complaint.decode(errors='replace').strip().splitlines()[-1:] or ['it failed']}")
 

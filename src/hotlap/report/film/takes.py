@@ -79,7 +79,12 @@ def cut(course: Course, flights: Flights, index: int, label: str, interval: floa
         attitude=rows[:, 3:7] / np.maximum(np.linalg.norm(rows[:, 3:7], axis=1, keepdims=True), 1e-9),
         speed=np.linalg.norm(rows[:, 7:10], axis=1),
         passed=np.searchsorted(np.sort(gates), frames[: len(rows)] + 1e-9),
-        judged=int(np.ceil(flight.end_time / interval - 1e-9)) if np.isfinite(flight.end_time) else len(rows) - 1,
+        judged=_frame_at(flight.end_time, interval, len(rows)),
         failed=flight.failed,
         ending=flight.ending if flight.failed else f"{flight.ending}, {flight.lap_time:.2f} s",
     )
+
+
+def _frame_at(time: float, interval: float, frames: int) -> int:
+    """The first frame at or after a time [s]; the last of so many frames where there is none, or no time."""
+    return min(math.ceil(time / interval - 1e-9), frames - 1) if math.isfinite(time) else frames - 1

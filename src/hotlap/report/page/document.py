@@ -7,6 +7,7 @@ from typing import Any
 
 from hotlap import toml
 from hotlap.analysis.hold import Hold
+from hotlap.check import mistaken
 from hotlap.files import PARAMETERS_FILE
 from hotlap.report.history import collect, succeeded
 from hotlap.report.page.encoding import number, pack
@@ -65,6 +66,7 @@ def _headline(standing: Standing) -> dict[str, Any]:
         "vehicle": race.vehicle.name,
         "model": race.believed.name,
         "latency_unknown": round(race.vehicle.delay - known, 6),
+        "mistaken": [name for name in mistaken(race) if name != "delay"],
         "tuner": asked.tuner,
         "goal": str(settings.goal),
         "seed": settings.seed,

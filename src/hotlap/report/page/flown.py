@@ -36,6 +36,7 @@ def describe_course(course: Course) -> dict[str, Any]:
         "reference": _reference(course),
         "limits": {"thrust": list(settings.thrust), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
         "arm": vehicle.arm,
+        "layout": str(vehicle.layout),
     }
 
 
@@ -84,7 +85,7 @@ def _effort(effort: Effort) -> dict[str, Any]:
         "thrust_activity": effort.thrust_activity,
         "rate_activity": effort.rate_activity,
         "saturated": effort.saturated,
-        "oscillation": {"frequency": effort.frequency, "share": effort.share},
+        "oscillation": {"frequency": effort.frequency or None, "share": effort.share},
     }
 
 

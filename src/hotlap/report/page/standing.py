@@ -45,17 +45,19 @@ class Standing:
 
 
 def read_standing(study: Study) -> Standing:
-    """Read it."""
-    tuning, configuration = study.tuning, study.configuration
-    return Standing(
-        folder=study.folder,
-        configuration=configuration,
-        result=study.result,
-        finished=tuning.best is not None and tuning.done,
-        ledger=study.flights(),
-        openings=tuple(study.openings),
-        command=study.command or _rebuild(configuration),
-    )
+    """Read it, as of one moment."""
+    configuration = study.configuration
+    with study.snapshot():
+        tuning = study.tuning
+        return Standing(
+            folder=study.folder,
+            configuration=configuration,
+            result=study.result,
+            finished=tuning.best is not None and tuning.done,
+            ledger=study.flights(),
+            openings=tuple(study.openings),
+            command=study.command or _rebuild(configuration),
+        )
 
 
 def _rebuild(configuration: Configuration) -> str:

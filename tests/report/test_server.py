@@ -1,0 +1,82 @@
+"""The server answers those who mean it, refuses those who were led here by another name, and keeps quiet about those who leave."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from contextlib import contextmanager
+
+import pytest
+
+from hotlap.report.server import Server
+
+
+class Big:
+    """A page that takes longer to send than a browser may stay."""
+
+    def page(self):
+        return "<p>" + 30_000_000 * "x"
+
+    def news(self, known=-1):
+        return None if known == 7 else "{}"
+
+
+@contextmanager
+def serving(host="127.0.0.1"):
+    with Server(Big(), host, 0) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield server
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+def get(server, path):
+    """Status of the answer to a request that no client checks before it is sent."""
+    with socket.create_connection(("127.0.0.1", server.server_port), timeout=30) as client:
+        client.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{server.server_port}\r\n\r\n".encode())
+        said = client.makefile("rb").read()
+    return int(said.split()[1]) if said else None
+
+
+def test_a_browser_that_leaves_before_it_has_the_page_is_no_error(capfd):
+    with serving() as server:
+        before = threading.active_count()
+        with socket.create_connection(("127.0.0.1", server.server_port)) as browser:
+            browser.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{server.server_port}\r\n\r\n".encode())
+            browser.recv(100)
+        while threading.active_count() > before:  # it is still being answered
+            pass
+        assert get(server, "/data.json?flights=7") == 204
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("path", ["//[", "//[x]/", "http://[/", "http://localhost/x"])
+def test_a_path_that_is_no_address_is_not_there(path, capfd):
+    with serving() as server:
+        assert get(server, path) == 404
+    assert capfd.readouterr().err == ""
+
+
+def test_a_browser_leaves_out_the_port_of_the_web():
+    with Server(Big(), "127.0.0.1", 0) as server:
+        assert not server.knows("127.0.0.1")
+        server.server_port = 80
+        assert server.knows("127.0.0.1")
+        assert server.knows("localhost")
+        assert server.knows("localhost:80")
+        assert not server.knows("evil.example")
+
+
+@pytest.mark.parametrize(("host", "others"), [("0.0.0.0", True), ("::", True), ("127.0.0.1", False)])  # noqa: S104  what is tested
+def test_who_listens_everywhere_is_known_by_any_number_but_by_no_other_name(host, others):
+    with Server(Big(), host, 0) as server:
+        port = server.server_port
+        for address in ("192.0.2.7", "[2001:db8::1]"):
+            assert server.knows(f"{address}:{port}") is others
+            assert not server.knows(f"{address}:{port + 1}")
+        for name in ("evil.example", "192.0.2.7.evil.example", "192.0.2", "", "[::1", "2001:db8::1"):
+            assert not server.knows(f"{name}:{port}")
+        assert server.knows(f"localhost:{port}")
