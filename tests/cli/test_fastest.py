@@ -35,23 +35,36 @@ def formula(limit: float):
 
 
 def test_it_goes_as_far_as_what_is_tried_holds():
-    do, tried = formula(3.2)
-    knobs, found = search.fastest(RACE, "guided_walk", SETTINGS, do)
+    (do, tried), (judge, _) = formula(3.2), formula(3.2)
+    knobs, found = search.fastest(RACE, "guided_walk", SETTINGS, do, judge)
     assert found["lap"] == pytest.approx(30 - 3.2, abs=0.1)
     assert len({one.key for one in tried}) == len(tried)
     assert knobs.tolerance <= search.NEAREST_GATE * RACE.judge.distance
 
 
+def test_what_held_by_luck_is_passed_over():
+    do, tried = formula(3.2)
+    unlucky = search.fastest(RACE, "guided_walk", SETTINGS, do, do)[0].key
+
+    def judge(trials):
+        return {key: {"lap": 1.0, "rate": 0.9 if trial.knobs.key == unlucky else 1.0} for key, trial in trials.items()}
+
+    knobs, found = search.fastest(RACE, "guided_walk", SETTINGS, do, judge)
+    assert knobs.key in {one.key for one in tried} - {unlucky}
+    assert found["lap"] == 1.0
+    assert search.fastest(RACE, "guided_walk", SETTINGS, do, lambda trials: {key: {"lap": 1.0, "rate": 0.9} for key in trials}) is None
+
+
 def test_a_plan_that_cannot_be_flown_is_slowed_down_first():
     do, _ = formula(2.0)
-    knobs, found = search.fastest(RACE, "guided_walk", SETTINGS, do)
+    knobs, found = search.fastest(RACE, "guided_walk", SETTINGS, do, do)
     assert knobs.v_max < RACE.planning.v_max
     assert found["rate"] == 1.0
 
 
 def test_where_nothing_holds_there_is_no_result():
     do, tried = formula(-math.inf)
-    assert search.fastest(RACE, "guided_walk", SETTINGS, do, most_rounds=5) is None
+    assert search.fastest(RACE, "guided_walk", SETTINGS, do, do, most_rounds=5) is None
     assert tried
 
 
@@ -65,7 +78,7 @@ def test_the_nearest_to_holding_is_kept_in_mind():
         plain = {"lap": 10.0, "planned": 10.0, "flights": 1, "parameters": [[1.0] * 5], "reason": ""}
         return {key: {**plain, "rate": rate if trials[key].knobs.tolerance == first.tolerance else 0.1} for key, rate in rates.items()}
 
-    knobs, _ = search.fastest(RACE, "guided_walk", SETTINGS, do)
+    knobs, _ = search.fastest(RACE, "guided_walk", SETTINGS, do, do)
     assert abs(math.log(knobs.v_max / first.v_max)) < 0.1
 
 
@@ -76,7 +89,7 @@ def test_a_search_ends_where_there_is_no_plan_at_all():
         rounds.append(len(trials))
         return {key: {"lap": None, "planned": None, "rate": 0.0, "parameters": None, "reason": "no plan"} for key in trials}
 
-    assert search.fastest(RACE, "guided_walk", SETTINGS, do) is None
+    assert search.fastest(RACE, "guided_walk", SETTINGS, do, do) is None
     assert len(rounds) <= 6
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import shlex
 from argparse import Namespace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from hotlap import __version__, tuners, worlds
-from hotlap.analysis.fastest import RELIABLE, Knobs, Trial, fastest, judge_plan, try_plan
+from hotlap.analysis.fastest import RELIABLE, Knobs, fastest, judge_plan, try_plan
 from hotlap.cli.flying import load, make_kind_ready
 from hotlap.cli.output import facts, note, percent, present, seconds
 from hotlap.cli.progress import follow_pieces
@@ -61,10 +62,8 @@ def run(options: Namespace) -> int:
     with remark(f"nothing is lost; go on with: {shlex.join(words)}"):
         make_kind_ready(worlds.build(options.on), race.controller.kind)
         context = Context(folder, quick=False, jobs=0, progress=follow_pieces)
-        best = fastest(race, tuner, settings, lambda trials: context.each("plans", trials, try_plan), ROUNDS)
-        if best is not None:
-            trial = Trial(race, best[0], tuner, settings, parameters=tuple(map(tuple, best[1]["parameters"])))
-            best[1].update(context.each("winners", {"the winner once more": trial}, judge_plan)["the winner once more"])
+        do, judge = (partial(context.each, unit, work=work) for unit, work in (("plans", try_plan), ("winners", judge_plan)))
+        best = fastest(race, tuner, settings, do, judge, ROUNDS)
     if best is None:
         note(f"hotlap: {race.name}: no plan was found that passes every gate in {percent(RELIABLE)} of the flights")
         return 1

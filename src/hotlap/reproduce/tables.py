@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from hotlap.analysis.comparison import Cell, Run
 from hotlap.analysis.comparison_table import summarise
-from hotlap.analysis.fastest import FRESH, RELIABLE, Knobs, Trial, fastest, judge_plan, try_plan
+from hotlap.analysis.fastest import RELIABLE, Knobs, fastest, judge_plan, try_plan
 from hotlap.analysis.learning import built_in_world
 from hotlap.analysis.statistics import bootstrap_interval, means
 from hotlap.files import load_race
@@ -43,6 +44,7 @@ TIED = ("metropolis_hastings:tied", "guided_walk:tied")
 GAME_OF_DRONES = ("qualifier-20", "final-22")
 QUICK = 20  # flights of a run in the short forms
 FLOWN = 100  # flights of each controller in Table II
+SHOWN = 700_000  # first of them: others than those that plans are chosen by
 
 
 def compensated(race: Race) -> Race:
@@ -130,17 +132,8 @@ def table2(context: Context) -> Page:
     found: dict[str, tuple[Knobs, dict[str, Any]] | None] = {}
     for name in names:
         race = load_race(name)
-
-        def do(trials: Mapping[str, Any], name: str = name) -> dict[str, Any]:
-            results = context.each("plans", {f"{name}: {key}": trial for key, trial in trials.items()}, try_plan)
-            return {key: results[f"{name}: {key}"] for key in trials}
-
-        found[name] = fastest(race, "guided_walk", settings, do, most_rounds=1 if context.quick else 40)
-        winner = found[name]
-        if winner is not None:
-            trial = Trial(race, winner[0], "guided_walk", settings, parameters=tuple(map(tuple, winner[1]["parameters"])))
-            label = f"{name}, the winner once more"
-            winner[1].update(context.each("winners", {label: trial}, judge_plan)[label])
+        do, judge = partial(_each, context, name, "plans", try_plan), partial(_each, context, name, "winners", judge_plan)
+        found[name] = fastest(race, "guided_walk", settings, do, judge, most_rounds=1 if context.quick else 40)
     page = Page("Table II: Game of Drones")
     page.say(
         "Lap [s], largest and mean speed [m/s]. The teams' and AutoTune's figures are the paper's, flown by the simulator's quadrotor; "
@@ -148,7 +141,7 @@ def table2(context: Context) -> Page:
         "*Planned as in Table I*: the paper's v_max (airsim's final 21 m/s, as 22 is beyond the vehicle), flown with the learned first "
         "guess, untuned. "
         "*Fastest*: v_max, tolerance and thrust of the plan searched, "
-        f"so that at least {percent(RELIABLE)} % of 200 flights pass every gate; judged by flights that it was not chosen by."
+        f"the soonest that passes every gate in {percent(RELIABLE)} % of 200 flights, twice; shown are flights that it was not chosen by."
     )
     rows = [[team, *_numbers(qualifier), "", *_numbers(final), ""] for team, (qualifier, final) in TABLE_II.items()]
     if not context.quick:
@@ -165,6 +158,12 @@ def table2(context: Context) -> Page:
     return page
 
 
+def _each(context: Context, name: str, unit: str, work: Any, trials: Mapping[str, Any]) -> dict[str, Any]:
+    """Trials of a race."""
+    results = context.each(unit, {f"{name}: {key}": trial for key, trial in trials.items()}, work)
+    return {key: results[f"{name}: {key}"] for key in trials}
+
+
 def _numbers(values: Sequence[float]) -> list[str]:
     return [f"{value:.2f}" for value in values]
 
@@ -175,7 +174,7 @@ def _speeds(race: Race, knobs: Knobs | None, result: Mapping[str, Any] | None) -
         return ["-"] * 4  # nothing that holds was found
     course = prepare(race if knobs is None else knobs.applied(race))
     values = first_guess(course) if result is None else np.array(result["parameters"])
-    seeds = flight_seeds(0, Stream.DEMONSTRATION, FRESH, FLOWN)
+    seeds = flight_seeds(0, Stream.DEMONSTRATION, SHOWN, FLOWN)
     flights = built_in_world().fly(course, np.repeat(values[None], FLOWN, axis=0), seeds, log=range(FLOWN))
     whole = [i for i in range(FLOWN) if flights.gates_passed[i] == len(course.race.track.gates)]
     if not whole:
