@@ -38,12 +38,19 @@ function start(): void {
   place.append(headline(app), h("main", {}, first, rest));
   still?.setAttribute("hidden", "");
   for (const part of drawn) part.build();
-  const shown = scene.start();
-  preparePrint(app, shown);
   listenToKeys(app);
   if (app.parts.live.value) follow(app);
-  begin(app);
-  if (shown) Object.assign(window, { hotlap: { place: () => shown.place, frames: () => shown.view.frames } });
+  afterPaint(() => {
+    const shown = scene.start();
+    preparePrint(app, shown);
+    begin(app);
+    if (shown) Object.assign(window, { hotlap: { place: () => shown.place, frames: () => shown.view.frames } });
+  });
+}
+
+/** A browser that draws by the processor takes a second to begin with: what can be read is shown before. */
+function afterPaint(work: () => void): void {
+  requestAnimationFrame(() => setTimeout(work));
 }
 
 /** Plays once; someone who wants no motion gets the end of the lap, with the whole trail. */
