@@ -48,7 +48,7 @@ def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, ca
 
 
 @pytest.mark.parametrize(
-    ("name", "said"), [("table1", "2 seeds, 20 flights, from"), ("table3", "within 20 flights, with 95 % intervals; 2 seeds on circle-34.")]
+    ("name", "said"), [("table1", "2 seeds, 20 flights, from"), ("table3", "within 20 flights, with 95 % intervals; 2 seeds on circle-34,")]
 )
 def test_a_short_form_says_what_it_flew(name, said, tmp_path, capsys):
     assert main(["reproduce", name, "--quick", "--jobs", "1", "--out", str(tmp_path)]) == 0

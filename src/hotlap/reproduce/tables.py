@@ -218,7 +218,7 @@ def table3(context: Context) -> Page:
     page = Page("Table III: ablation")
     page.say(
         f"Share of runs that confirmed a controller [%] and median search flights, within {settings.budget} flights, with 95 % intervals; "
-        f"{len(seeds)} seeds on {where}. The paper, on Qualifier: "
+        f"{len(seeds)} seeds on {where}, for the intervals as if all were drawn independently. The paper, on Qualifier: "
         f"{'; '.join(f'{name} {value} %, {flights} flights' for name, (value, flights) in TABLE_III.items())}."
     )
     page.table(
