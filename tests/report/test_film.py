@@ -14,6 +14,7 @@ from studies import begin, carry, configure
 
 from fake_world import make_course
 from hotlap.errors import InputError
+from hotlap.quadrotor import Layout
 from hotlap.report.demonstration import choose
 from hotlap.report.film import recording
 from hotlap.report.film.camera import aim, rings
@@ -79,8 +80,15 @@ def test_a_gate_is_a_circle_across_the_flight(normal):
 def test_a_drone_turns_with_its_attitude():
     half = np.sqrt(0.5)
     np.testing.assert_allclose(turn(np.array([half, 0, 0, half]), np.eye(3)), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-12)
-    level = np.vstack(draw_craft(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0))
+    level = np.vstack(draw_craft(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, Layout.X))
     assert (level[:, 2] == 0).all()
+
+
+@pytest.mark.parametrize(("layout", "hub"), [(Layout.X, [2**0.5, 2**0.5, 0]), (Layout.PLUS, [2, 0, 0])])
+def test_rotors_are_drawn_where_the_layout_has_them(layout, hub):
+    first_arm, _, *rotors = draw_craft(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, layout)
+    np.testing.assert_allclose(first_arm[0], hub)
+    np.testing.assert_allclose(rotors[0][:-1].mean(axis=0), hub, atol=1e-12)
 
 
 @pytest.mark.parametrize(("duration", "pace"), [(1.0, 1), (13.0, 1), (13.5, 1.25), (26.0, 2), (5000.0, 385)])

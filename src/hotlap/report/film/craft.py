@@ -5,11 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.quadrotor import Layout
+
 Floats = NDArray[np.float64]
 
 _ANGLES = np.linspace(0, 2 * np.pi, 17)
 _DISC = 0.62 * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), np.zeros(17)], axis=1)  # a rotor, of an arm of 1
-_HUBS = np.array([[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]]) / np.sqrt(2)
+_HUBS = {
+    Layout.X: np.array([[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]]) / np.sqrt(2),
+    Layout.PLUS: np.array([[1.0, 0, 0], [0, -1, 0], [-1, 0, 0], [0, 1, 0]]),
+}
 
 
 def turn(attitude: Floats, vectors: Floats) -> Floats:
@@ -24,13 +29,15 @@ def turn(attitude: Floats, vectors: Floats) -> Floats:
     return vectors + w * twice + np.cross(axis, twice)
 
 
-def draw_craft(position: Floats, attitude: Floats, size: float) -> list[Floats]:
+def draw_craft(position: Floats, attitude: Floats, size: float, layout: Layout) -> list[Floats]:
     """Two arms and four rotors as lines, each shape (points, 3) [m] (world).
 
     Args:
         position: shape (3,) [m] (world).
         attitude: shape (4,) (w, x, y, z), body to world.
         size: [m] of an arm, as large as it should be seen.
+        layout: where the rotors sit.
     """
-    arms = [_HUBS[[0, 2]], _HUBS[[1, 3]]]
-    return [position + size * turn(attitude, line) for line in (*arms, *(_DISC + hub for hub in _HUBS))]
+    hubs = _HUBS[layout]
+    arms = [hubs[[0, 2]], hubs[[1, 3]]]
+    return [position + size * turn(attitude, line) for line in (*arms, *(_DISC + hub for hub in hubs))]

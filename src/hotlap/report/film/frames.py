@@ -132,7 +132,8 @@ class _Panel:
         self._lost.set_segments(_pairs(self._path[good : k + 1]))
         self._lit.set_segments(list(self._gates[: take.passed[k]]))
         position, failed = take.position[k], take.failed and over
-        self._craft.set_segments([self._camera.project(line) for line in draw_craft(position, take.attitude[k], self._size)])
+        craft = draw_craft(position, take.attitude[k], self._size, take.layout)
+        self._craft.set_segments([self._camera.project(line) for line in craft])
         self._craft.set_color(FAILURE if failed else LIGHT)
         self._plumb.set_data(*self._camera.project(np.array([position, [*position[:2], self._ground]])).T)
         self._cross.set_data(*(self._path[[min(take.judged, len(take) - 1)]].T if failed else ([], [])))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.course import Course
+from hotlap.quadrotor import Layout
 from hotlap.records import Flights
 from hotlap.report.demonstration import Shown
 from hotlap.report.scene import trace
@@ -24,6 +25,7 @@ class Take:
 
     Attributes:
         label: what is flown.
+        layout: where the drone's rotors sit.
         position: shape (n, 3) [m] (world), one row a frame.
         attitude: shape (n, 4) (w, x, y, z), body to world.
         speed: shape (n,) [m/s].
@@ -34,6 +36,7 @@ class Take:
     """
 
     label: str
+    layout: Layout
     position: Floats
     attitude: Floats
     speed: Floats
@@ -75,6 +78,7 @@ def cut(course: Course, flights: Flights, index: int, label: str, interval: floa
     gates = flight.seen_times[: flight.gates_passed]
     return Take(
         label=label,
+        layout=course.race.vehicle.layout,
         position=rows[:, :3],
         attitude=rows[:, 3:7] / np.maximum(np.linalg.norm(rows[:, 3:7], axis=1, keepdims=True), 1e-9),
         speed=np.linalg.norm(rows[:, 7:10], axis=1),
