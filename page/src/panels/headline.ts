@@ -17,7 +17,7 @@ export function headline(app: App): HTMLElement {
 
 function title(told: Headline): HTMLElement {
   const mistaken = (told.mistaken ?? []).map((name) => name.replaceAll("_", " ")).join(", ");
-  const vehicle = [told.vehicle, latency(told.latency_unknown ?? 0), mistaken && `another ${mistaken} than its controller believes`];
+  const vehicle = [told.vehicle, latency(told.latency_unknown ?? 0)];
   const work = told.state === "running" ? `running: ${told.flights} of ${told.budget} flights` : `tuned in ${count(told.flights, "flight")}`;
   const time = told.wall_time === null ? "" : `, ${told.wall_time < 100 ? told.wall_time.toFixed(1) : Math.round(told.wall_time)} s`;
   return h(
@@ -25,6 +25,7 @@ function title(told: Headline): HTMLElement {
     { class: "title" },
     h("h1", {}, told.race),
     h("p", {}, vehicle.filter(Boolean).join(" + ")),
+    mistaken ? h("p", { class: "quiet" }, `its controller is mistaken about: ${mistaken}`) : null,
     h("p", { class: "quiet" }, `${work}${time} by ${told.tuner.replace(/:default$/, "").replaceAll("_", " ")}; goal ${told.goal}; seed ${told.seed}`),
     told.remark ? h("p", { class: "quiet" }, told.remark) : null,
   );
