@@ -51,8 +51,11 @@ def draw_everything(folder: Path, study: Study, world: World, kind: str, flights
     """Draw the same, and inputs against their limits, sensitivity, and where the search has looked.
 
     Args:
-        folder, study, world, flights: as `draw` takes them.
+        folder: where the pictures go.
+        study: to be drawn; it may have no flights yet.
+        world: where its flights happen.
         kind: one of `FORMATS`.
+        flights: how many of each to fly, at least 1.
 
     Returns:
         The files.
