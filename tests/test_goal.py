@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,17 +14,8 @@ from hotlap.scoring import Metric
 
 
 def scores(completion: list[float], mean_error: list[float], max_error: list[float]) -> Scores:
-    nothing = np.full(len(completion), np.nan)
-    return Scores(
-        cost=nothing,
-        completion=np.array(completion),
-        failed_segment=np.zeros(len(completion), int),
-        gate_distance=nothing[:, None],
-        mean_error=np.array(mean_error),
-        max_error=np.array(max_error),
-        lap_time=nothing,
-        dense=nothing,
-    )
+    flown = Scores.of_costs(np.full(len(completion), np.nan))
+    return replace(flown, completion=np.array(completion), mean_error=np.array(mean_error), max_error=np.array(max_error))
 
 
 FOUR = scores([1.0, 1.0, 0.95, 0.2], [0.2, 0.4, 0.1, 0.1], [0.9, 1.1, 0.5, 0.3])

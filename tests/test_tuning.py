@@ -61,8 +61,9 @@ class ScriptedObjective(Objective):
     def fly(self, parameters, seeds) -> Scores:  # noqa: ARG002  it returns what it was told to
         completion = np.array([self.completions.pop(0) for _ in seeds])
         failed = np.where(completion == 1, -1, np.round(completion * 10).astype(int))
-        lap_time, nothing = np.where(completion == 1, 5.0, np.nan), np.zeros(len(seeds))
-        return Scores(100 * (1 - completion), completion, failed, nothing[:, None], nothing, nothing, lap_time, 10 * (1 - completion))
+        lap_time, dense = np.where(completion == 1, 5.0, np.nan), 10 * (1 - completion)
+        flown = Scores.of_costs(100 * (1 - completion))
+        return replace(flown, completion=completion, failed_segment=failed, lap_time=lap_time, dense=dense)
 
 
 def points(count: int) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,4 +62,4 @@ class Objective:
         own = np.asarray(self.cost(flights, scores), dtype=np.float64)
         if own.shape != (len(flights),):
             raise ValueError(f"cost must have shape ({len(flights)},), one number a flight, not {own.shape}")
-        return flights, replace(scores, cost=own, dense=own)
+        return flights, scores.worth(own)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 
 import numpy as np
@@ -88,6 +88,9 @@ class Scores:
         completion: shape (B,), gates passed / gates, 0 to 1.
         failed_segment: shape (B,) segment of the first missed gate; -1 where all were passed.
         gate_distance: shape (B, M) [m] as the rule measures it; NaN where the flight did not get there.
+        gate_miss: shape (B, M), logarithm of that distance over the judge's: below 0 where a gate was passed, NaN where the flight did not
+            get there; shape (B, 0) where the cost is not made of gates.
+        gate_segment: shape (B, M), the segment that each gate lies in; shape (B, 0) likewise.
         mean_error, max_error: shape (B,) [m].
         lap_time: shape (B,) [s] of complete flights; NaN for the others.
         dense: shape (B,), less is better: a cost that tells how far every gate was missed, not only the first.
@@ -97,6 +100,8 @@ class Scores:
     completion: Floats
     failed_segment: NDArray[np.int64]
     gate_distance: Floats
+    gate_miss: Floats
+    gate_segment: NDArray[np.int64]
     mean_error: Floats
     max_error: Floats
     lap_time: Floats
@@ -125,11 +130,17 @@ class Scores:
             completion=np.zeros(len(costs)),
             failed_segment=np.full(len(costs), -1),
             gate_distance=np.empty((len(costs), 0)),
+            gate_miss=np.empty((len(costs), 0)),
+            gate_segment=np.empty((len(costs), 0), dtype=np.int64),
             mean_error=none,
             max_error=none,
             lap_time=none,
             dense=costs,
         )
+
+    def worth(self, costs: Floats) -> Scores:
+        """The same flights with other costs, shape (B,), which are not made of gates."""
+        return replace(self, cost=costs, dense=costs, gate_miss=self.gate_miss[:, :0], gate_segment=self.gate_segment[:, :0])
 
     @property
     def complete(self) -> NDArray[np.bool_]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from hotlap.race import JudgeSettings, Rule
 from hotlap.records import Flights, Scores
 
+TINY = 1e-6  # m, least distance of which a logarithm is taken
 FAR = 1e3  # m: what a position that is no number, or further away, counts as
 UNREACHED, STEEPNESS = 50.0, 8  # m, and exponent of the dense cost
 PENALTY_SPEED = 1.0  # m/s at which missing metres become seconds, as in the paper
@@ -50,6 +51,8 @@ def score(flights: Flights, judge: JudgeSettings, metric: Metric = Metric.TIME) 
         completion=flights.gates_passed / count,  # TC, Eq. 6
         failed_segment=np.where(complete, -1, flights.gate_segments[missed]),
         gate_distance=distance,
+        gate_miss=np.log(np.maximum(distance, TINY) / judge.distance),
+        gate_segment=np.tile(flights.gate_segments, (len(flights), 1)),
         mean_error=flights.mean_error,
         max_error=flights.max_error,
         lap_time=np.where(lapped, flights.lap_time, np.nan),

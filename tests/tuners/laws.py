@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import erf, sqrt
 
 import numpy as np
@@ -22,17 +22,8 @@ def make_space(low: float = 1.0, high: float = np.e, size: int = 1) -> Parameter
 def make_scores(costs: np.ndarray, completion: float = 0.5, failed_segment: int = 0) -> Scores:
     """Scores with given costs and otherwise equal flights."""
     count = len(costs)
-    full, nothing = np.full(count, completion), np.full(count, np.nan)
-    return Scores(
-        np.asarray(costs, float),
-        full,
-        np.full(count, failed_segment),
-        nothing[:, None],
-        nothing,
-        nothing,
-        nothing,
-        np.asarray(costs, float),
-    )
+    flown = Scores.of_costs(np.asarray(costs, float))
+    return replace(flown, completion=np.full(count, completion), failed_segment=np.full(count, failed_segment))
 
 
 @dataclass(frozen=True)

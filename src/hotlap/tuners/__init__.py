@@ -14,6 +14,7 @@ from hotlap.errors import InputError, UnknownNameError
 from hotlap.tuners import (
     bayesian,
     cma_es,
+    gatewise,
     gradient,
     gradient_boosting,
     guided_walk,
@@ -28,6 +29,7 @@ from hotlap.tuners import (
 )
 from hotlap.tuners.bayesian import Bayesian
 from hotlap.tuners.cma_es import CmaEs
+from hotlap.tuners.gatewise import Gatewise
 from hotlap.tuners.gradient import Gradient
 from hotlap.tuners.gradient_boosting import GradientBoosting
 from hotlap.tuners.guided_walk import GuidedWalk
@@ -46,6 +48,7 @@ DEFAULT = "guided_walk"
 _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
     "bayesian": (Bayesian, bayesian.PRESETS),
     "cma_es": (CmaEs, cma_es.PRESETS),
+    "gatewise": (Gatewise, gatewise.PRESETS),
     "gradient": (Gradient, gradient.PRESETS),
     "gradient_boosting": (GradientBoosting, gradient_boosting.PRESETS),
     "guided_walk": (GuidedWalk, guided_walk.PRESETS),

@@ -1,0 +1,166 @@
+"""Walk: what tuners share that remember every flight and step from the best of them."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.records import Scores
+
+Floats = NDArray[np.float64]
+
+MEMORY = 200  # points that a process is fitted to
+LEAP_SIZES = (0.3, 1.2)  # in units of `step`
+LEAP_SHARE = 0.1  # of the points known, from which a leap may leave
+ROAMING = 40  # flights, after which a walk roams no more
+
+
+@dataclass(frozen=True)
+class WalkSettings:
+    """What every walk is told.
+
+    Attributes:
+        step: standard deviation of a step, in natural logarithms times the space's `log_step`.
+        opening: flights around the best one, before anything guides.
+        leaps: share of the flights that leave from another good point.
+        roams: share of the first flights anywhere within the bounds, the same in all segments.
+        dense: use the dense cost, else the metric.
+    """
+
+    step: float = 0.6
+    opening: int = 5
+    leaps: float = 0.25
+    roams: float = 0.2
+    dense: bool = True
+
+
+Told = TypeVar("Told", bound=WalkSettings)
+
+
+class Walk(ABC, Generic[Told]):
+    """A walk that remembers every flight. Each `ask` gives one proposal, the same one until it is told."""
+
+    learns_from_any: ClassVar[bool] = True
+
+    def __init__(self, name: str, settings: Told) -> None:
+        self.name, self.settings = name, settings
+
+    def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
+        """Begin at the first guess."""
+        self._space, self._rng = space, rng
+        self._shape_of_parameters = first_guess.shape
+        self._points: list[list[float]] = []
+        self._costs: list[float] = []
+        self._first = space.clip(first_guess)
+        self._proposal: Floats | None = self._encode(self._first)
+
+    def ask(self, n: int) -> Parameters:  # noqa: ARG002  one at a time: every flight teaches
+        """The proposal, shape (1, S, K), whatever n; the first one is the first guess."""
+        if not self._points:
+            return self._first[None].copy()
+        if self._proposal is None:
+            self._proposal = self._next()
+        return self._decode(self._proposal)[None]
+
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
+        """Remember; true where a flight is the best so far."""
+        costs = scores.dense if self.settings.dense else scores.cost
+        better = []
+        for flown, cost in zip(parameters, costs.tolist(), strict=True):
+            known = min(self._costs, default=math.inf)
+            self._points.append(self._encode(flown).tolist())
+            self._costs.append(math.log1p(max(cost, 0.0)) if math.isfinite(cost) else math.inf)
+            better.append(self._costs[-1] <= known)
+        self._proposal = None
+        return np.array(better, dtype=np.bool_)
+
+    def state(self) -> dict[str, Any]:
+        """Every flight, a proposal under way and the random generator."""
+        return {
+            "points": [list(point) for point in self._points],
+            "costs": [cost if math.isfinite(cost) else None for cost in self._costs],  # JSON has no infinity
+            "proposal": None if self._proposal is None else self._proposal.tolist(),
+            "rng": self._rng.bit_generator.state,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on where `state()` was taken."""
+        self._points = [list(point) for point in state["points"]]
+        self._costs = [math.inf if cost is None else cost for cost in state["costs"]]
+        self._proposal = None if state["proposal"] is None else np.array(state["proposal"])
+        self._rng.bit_generator.state = state["rng"]
+
+    @abstractmethod
+    def _propose(self, costs: Floats) -> Floats:
+        """The next point after the opening, shape (S K,), given finite costs of all points."""
+
+    @abstractmethod
+    def _steps(self, count: int) -> Floats:
+        """Gaussian steps of unit size, shape (count, S K)."""
+
+    def _next(self) -> Floats:
+        """The next point: anywhere, around the best one, or as the process says."""
+        costs = self._finite_costs()
+        if self._rng.random() < self.settings.roams and len(costs) < ROAMING:
+            return self._anywhere()
+        if len(costs) <= self.settings.opening:
+            return np.array(self._points[int(np.argmin(costs))]) + self.settings.step * self._steps(1)[0]
+        return self._propose(costs)
+
+    def _leap(self, good: Floats) -> Floats:
+        """A step from one of some points, shape (count, S K), by chance."""
+        size = self.settings.step * self._rng.uniform(*LEAP_SIZES)
+        return good[int(self._rng.integers(len(good)))] + size * self._steps(1)[0]
+
+    def _encode(self, parameters: Parameters) -> Floats:
+        """Logarithms in units of `log_step`, all segments in a row."""
+        return (np.log(parameters) / self._space.log_step).ravel()
+
+    def _decode(self, point: Floats) -> Parameters:
+        """The inverse, mirrored at the bounds."""
+        logarithms = point.reshape(self._shape_of_parameters) * self._space.log_step
+        return self._space.clip(np.exp(self._space.reflect_log(logarithms)))
+
+    def _mirror(self, points: Floats) -> Floats:
+        """Points, shape (count, S K), mirrored at the bounds."""
+        logarithms = points.reshape(-1, *self._shape_of_parameters) * self._space.log_step
+        return (self._space.reflect_log(logarithms) / self._space.log_step).reshape(points.shape)
+
+    def _anywhere(self) -> Floats:
+        """A point drawn evenly from the logarithms within the bounds, the same in all segments."""
+        segments, size = self._shape_of_parameters
+        return np.tile(np.log(self._space.from_unit(self._rng.random(size))) / self._space.log_step, segments)
+
+    def _finite_costs(self) -> Floats:
+        """Costs, with what is infinite a little worse than the worst."""
+        costs = np.array(self._costs)
+        finite = costs[np.isfinite(costs)]
+        worst = float(finite.max()) + 1.0 if len(finite) else 0.0
+        return np.where(np.isfinite(costs), costs, worst)
+
+
+def leaping_points(values: Floats) -> NDArray[np.intp]:
+    """The points that a leap may leave from.
+
+    Args:
+        values: of all points, shape (n,), less is better.
+    """
+    return np.argsort(values)[: max(3, round(LEAP_SHARE * len(values)))]
+
+
+def remembered(costs: Floats) -> NDArray[np.intp]:
+    """The points that are fitted: all, or the best and the latest half of `MEMORY`.
+
+    Args:
+        costs: of all points, shape (n,).
+    """
+    if len(costs) <= MEMORY:
+        return np.arange(len(costs))
+    best = np.argsort(costs, kind="stable")[: MEMORY // 2]
+    return np.union1d(best, np.arange(len(costs) - MEMORY // 2, len(costs)))
