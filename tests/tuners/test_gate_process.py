@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hotlap.tuners.gate_process import FARTHEST, NEAREST, Group, Shape, climb, condition, gate_groups, log_posterior, matern
+from hotlap.tuners.gate_process import FARTHEST, NEAREST, GateKernel, Group, climb, condition, gate_groups, log_posterior, matern
 
 SEGMENTS, SIZE = 3, 2
 GATE_SEGMENTS = np.array([0, 0, 1, 2])
@@ -20,7 +20,7 @@ def flights(count: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
 def learnt(count: int = 60, seed: int = 0):
     points, misses = flights(count, seed)
     groups = gate_groups(misses, GATE_SEGMENTS)
-    return condition(points, groups, climb(points, groups, Shape.prior(SIZE), 60, np.random.default_rng(1)))
+    return condition(points, groups, climb(points, groups, GateKernel.prior(SIZE), 60, np.random.default_rng(1)))
 
 
 def test_it_predicts_flights_that_it_has_not_seen():
@@ -43,7 +43,7 @@ def test_what_is_flown_later_does_not_matter_to_a_gate():
 
 def test_points_that_move_alike_are_as_far_apart_for_every_gate():
     points = np.tile(np.random.default_rng(0).standard_normal((5, 1, SIZE)), (1, SEGMENTS, 1))
-    shape = Shape.prior(SIZE)
+    shape = GateKernel.prior(SIZE)
     kernels = [matern(features, features) for features in (shape.features(points, segment) for segment in (0, 1, 2, None))]
     for kernel in kernels[1:]:
         np.testing.assert_allclose(kernel, kernels[0], rtol=1e-12)
@@ -63,7 +63,7 @@ def test_a_kernel_falls_with_distance_and_is_one_at_none():
 def test_a_climb_never_ends_lower_and_finds_the_length_that_matters():
     points = np.random.default_rng(0).uniform(-2, 2, (80, 1, 2))
     groups = [Group(None, np.arange(1), np.arange(80), np.sin(3 * points[:, 0, :1]))]
-    start = Shape.prior(2)
+    start = GateKernel.prior(2)
     found = climb(points, groups, start, 200, np.random.default_rng(3))
     assert log_posterior(points, groups, found) > log_posterior(points, groups, start)
     matters, does_not = np.exp(found.numbers[:2])
@@ -74,7 +74,7 @@ def test_a_climb_never_ends_lower_and_finds_the_length_that_matters():
 def test_it_returns_to_the_values_where_they_say_something_and_to_doubt_elsewhere():
     points, misses = flights(40)
     groups = gate_groups(misses, GATE_SEGMENTS)
-    posterior = condition(points, groups, Shape(np.array([0.0, 0.0, -3.0, np.log(1e-3)])))
+    posterior = condition(points, groups, GateKernel(np.array([0.0, 0.0, -3.0, np.log(1e-3)])))
     means, deviations, _ = posterior.predict(points)
     np.testing.assert_allclose(means[:, :2], misses[:, :2], atol=0.1)
     assert deviations[:, 0].max() < 0.3 * posterior.predict(points + 50)[1][:, 0].min()
@@ -85,7 +85,7 @@ def test_a_gate_that_was_not_reached_teaches_nothing_and_one_behind_a_reached_on
     first, second, third = gate_groups(misses, GATE_SEGMENTS)
     assert (first.rows.tolist(), second.rows.tolist(), third.rows.tolist()) == ([0, 1, 2], [1, 2], [])
     np.testing.assert_allclose(first.values, [[0.1, FARTHEST], [NEAREST, 0.2], [0.4, FARTHEST]])
-    means, deviations, noises = condition(flights(3)[0], [first, second, third], Shape.prior(SIZE)).predict(flights(7)[0])
+    means, deviations, noises = condition(flights(3)[0], [first, second, third], GateKernel.prior(SIZE)).predict(flights(7)[0])
     assert np.isfinite(means).all()
     assert (deviations > 0).all()
     assert (noises > 0).all()

@@ -31,7 +31,7 @@ ROWS = 100  # latest flights that the likelihood is asked about
 
 
 @dataclass(frozen=True)
-class Shape:
+class GateKernel:
     """The kernel of all gates, as numbers without bounds.
 
     Attributes:
@@ -42,9 +42,9 @@ class Shape:
     numbers: Floats
 
     @staticmethod
-    def prior(size: int) -> Shape:
+    def prior(size: int) -> GateKernel:
         """The most likely one before there are data, of `size` parameters."""
-        return Shape(np.array([CENTRE[0]] * size + list(CENTRE[1:])))
+        return GateKernel(np.array([CENTRE[0]] * size + list(CENTRE[1:])))
 
     @property
     def noise(self) -> float:
@@ -102,16 +102,16 @@ class Known:
 
 
 @dataclass(frozen=True)
-class Posterior:
+class GatePosterior:
     """What is known of M values.
 
     Attributes:
-        shape: of the kernel.
+        kernel: of all values.
         known: the groups that have been seen at least twice.
         size: M.
     """
 
-    shape: Shape
+    kernel: GateKernel
     known: tuple[Known, ...]
     size: int
 
@@ -120,13 +120,13 @@ class Posterior:
         means, deviations = (np.full((len(points), self.size), value) for value in UNKNOWN[:2])
         noises = np.full(self.size, UNKNOWN[2])
         for one in self.known:
-            features = self.shape.features(points, one.group.segment)
+            features = self.kernel.features(points, one.group.segment)
             across = matern(features.astype(np.float32), one.features.astype(np.float32))  # four times as fast
             reduced = across @ one.whitening
             variance = np.maximum(1.0 - np.einsum("ij,ij->i", reduced, reduced), 1e-6)
             means[:, one.group.columns] = one.mean + across @ one.weights
             deviations[:, one.group.columns] = np.sqrt(variance)[:, None] * one.scale
-            noises[one.group.columns] = one.scale * np.sqrt(self.shape.noise)
+            noises[one.group.columns] = one.scale * np.sqrt(self.kernel.noise)
         return means, deviations, noises
 
 
@@ -147,24 +147,24 @@ def gate_groups(misses: Floats, segments: NDArray[np.int64]) -> list[Group]:
     return groups
 
 
-def condition(points: Floats, groups: list[Group], shape: Shape) -> Posterior:
+def condition(points: Floats, groups: list[Group], kernel: GateKernel) -> GatePosterior:
     """What is known after flights at points, shape (n, S, K)."""
     known = []
     for group in groups:
         if len(group.rows) < 2:
             continue
-        features = shape.features(points[group.rows], group.segment)
+        features = kernel.features(points[group.rows], group.segment)
         mean, spread = group.values.mean(axis=0), _spread(group.values)
-        whitening = np.linalg.inv(_factor(features, shape.noise))
+        whitening = np.linalg.inv(_factor(features, kernel.noise))
         rotated = whitening @ ((group.values - mean) / spread)
         scale = np.sqrt(np.maximum((rotated**2).mean(axis=0), LEAST_VARIANCE))
         weights = (whitening.T @ rotated) * spread
         known.append(Known(group, features, mean, spread * scale, weights, whitening.T.astype(np.float32)))
-    return Posterior(shape, tuple(known), sum(len(group.columns) for group in groups))
+    return GatePosterior(kernel, tuple(known), sum(len(group.columns) for group in groups))
 
 
-def climb(points: Floats, groups: list[Group], start: Shape, strides: int, rng: np.random.Generator) -> Shape:
-    """A likelier shape, found by random strides of which those that lead upwards are taken.
+def climb(points: Floats, groups: list[Group], start: GateKernel, strides: int, rng: np.random.Generator) -> GateKernel:
+    """A likelier kernel, found by random strides of which those that lead upwards are taken.
 
     Args:
         points: shape (n, S, K).
@@ -182,14 +182,14 @@ def climb(points: Floats, groups: list[Group], start: Shape, strides: int, rng: 
         stride = widths * rng.standard_normal(size) * (1.0 if rng.random() < 0.5 else SHORT)
         if rng.random() < TOGETHER:
             stride[:lengths] = stride[0]
-        tried = Shape(best.numbers + stride * (rng.random(size) < SINGLE))
+        tried = GateKernel(best.numbers + stride * (rng.random(size) < SINGLE))
         height = log_posterior(points, latest, tried)
         if height > highest:
             best, highest = tried, height
     return best
 
 
-def log_posterior(points: Floats, groups: list[Group], shape: Shape) -> float:
+def log_posterior(points: Floats, groups: list[Group], kernel: GateKernel) -> float:
     """Marginal likelihood of all values at the signal's best variances, times the prior of the shape; without constants.
 
     Rasmussen, Williams, "Gaussian processes for machine learning", 2006, Eq. 5.8.
@@ -197,16 +197,16 @@ def log_posterior(points: Floats, groups: list[Group], shape: Shape) -> float:
     Args:
         points: shape (n, S, K).
         groups: what was flown there.
-        shape: what is asked about.
+        kernel: what is asked about.
     """
-    size = len(shape.numbers) - len(CENTRE) + 1
+    size = len(kernel.numbers) - len(CENTRE) + 1
     centre, spread = (np.array([three[0]] * size + list(three[1:])) for three in (CENTRE, SPREAD))
-    total = -0.5 * float((((shape.numbers - centre) / spread) ** 2).sum())
+    total = -0.5 * float((((kernel.numbers - centre) / spread) ** 2).sum())
     for group in groups:
         count = len(group.rows)
         if count < 3:
             continue
-        factor = _factor(shape.features(points[group.rows], group.segment), shape.noise)
+        factor = _factor(kernel.features(points[group.rows], group.segment), kernel.noise)
         centred = (group.values - group.values.mean(axis=0)) / _spread(group.values)
         variance = np.maximum((np.linalg.solve(factor, centred) ** 2).mean(axis=0), 1e-9)
         total -= float((0.5 * count * np.log(variance) + np.log(np.diag(factor)).sum()).sum())

@@ -7,8 +7,8 @@
    the best one is the centre of the next generation of candidates, and the last one is flown. Steps are Gaussian in logarithms and of all
    sizes; most are the same in all segments, some move a range of segments alone. k differs from flight to flight.
 3. A gate counts as passed only with a little to spare, since the next flight has another noise.
-4. With a small probability it leaves from another good point, or at first flies anywhere, since the first guess may be far from
-   everything that flies.
+4. With a small probability it leaves from another good point, or flies anywhere, at first more often: the first guess, or the place
+   where it is at work, may be far from everything that holds.
 
 A cost that says nothing of gates has one process, of all parameters.
 """
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
-from hotlap.tuners.gate_process import Group, Shape, climb, condition, gate_groups
+from hotlap.tuners.gate_process import GateKernel, Group, climb, condition, gate_groups
 from hotlap.tuners.walk import Walk, WalkSettings, leaping_points, remembered
 
 Floats = NDArray[np.float64]
@@ -35,6 +35,7 @@ REFIT = 5  # flights between climbs of the likelihood
 STRIDES = (20, 6)  # of the first climb, and of the later ones
 STEP_SIZES = (math.log(0.1), math.log(1.5))  # of a candidate, in units of `step`
 EAGERNESS = (math.log(0.3), math.log(3.0))  # of k
+ROAMING, LEAST_ROAMING = 20, 0.25  # flights in which the chance to roam halves, and the share of it that is left for ever
 SPARE = 0.15  # of the logarithm of a gate's distance: to pass with, and standard deviation of what no process knows
 PROBIT = 1.7  # softplus(1.7 z) is nearly -log of the chance that a standard normal is larger than z
 
@@ -50,6 +51,7 @@ class Settings(WalkSettings):
     """
 
     leaps: float = 0.1
+    roams: float = 0.4
     generations: int = 3
     parted: float = 0.33
     gates: bool = True
@@ -73,7 +75,7 @@ class Gatewise(Walk[Settings]):
         super().start(first_guess, space, rng)
         self._misses: list[list[float]] = []
         self._gate_segments: list[int] = []
-        self._kernel: Shape | None = None
+        self._kernel: GateKernel | None = None
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
         """Remember; true where a flight is the best so far."""
@@ -96,7 +98,11 @@ class Gatewise(Walk[Settings]):
         super().restore(state)
         self._misses = [[math.nan if miss is None else miss for miss in flight] for flight in state["misses"]]
         self._gate_segments = list(state["gate_segments"])
-        self._kernel = None if state["kernel"] is None else Shape(np.array(state["kernel"]))
+        self._kernel = None if state["kernel"] is None else GateKernel(np.array(state["kernel"]))
+
+    def _roaming(self, flown: int) -> float:
+        """Chance of a flight anywhere: it falls, but not to nothing, lest the walk stay where no set of parameters holds."""
+        return self.settings.roams * max(LEAST_ROAMING, ROAMING / (ROAMING + flown))
 
     def _steps(self, count: int) -> Floats:
         """Gaussian steps of unit size, the same in all segments, shape (count, S K)."""
@@ -110,7 +116,7 @@ class Gatewise(Walk[Settings]):
         points, groups = self._cube(flat), self._groups(costs, chosen)
         if self._kernel is None or len(costs) % REFIT == 0:
             first, later = STRIDES
-            start, strides = (Shape.prior(points.shape[2]), first) if self._kernel is None else (self._kernel, later)
+            start, strides = (GateKernel.prior(points.shape[2]), first) if self._kernel is None else (self._kernel, later)
             self._kernel = climb(points, groups, start, strides, self._rng)
         posterior = condition(points, groups, self._kernel)
         values = self._value(*posterior.predict(points), 0.0)

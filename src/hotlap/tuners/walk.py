@@ -29,7 +29,7 @@ class WalkSettings:
         step: standard deviation of a step, in natural logarithms times the space's `log_step`.
         opening: flights around the best one, before anything guides.
         leaps: share of the flights that leave from another good point.
-        roams: share of the first flights anywhere within the bounds, the same in all segments.
+        roams: chance, at first, of a flight anywhere within the bounds, the same in all segments.
         dense: use the dense cost, else the metric.
     """
 
@@ -107,7 +107,7 @@ class Walk(ABC, Generic[Told]):
     def _next(self) -> Floats:
         """The next point: anywhere, around the best one, or as the process says."""
         costs = self._finite_costs()
-        if self._rng.random() < self.settings.roams and len(costs) < ROAMING:
+        if self._rng.random() < self._roaming(len(costs)):
             return self._anywhere()
         if len(costs) <= self.settings.opening:
             return np.array(self._points[int(np.argmin(costs))]) + self.settings.step * self._steps(1)[0]
@@ -117,6 +117,10 @@ class Walk(ABC, Generic[Told]):
         """A step from one of some points, shape (count, S K), by chance."""
         size = self.settings.step * self._rng.uniform(*LEAP_SIZES)
         return good[int(self._rng.integers(len(good)))] + size * self._steps(1)[0]
+
+    def _roaming(self, flown: int) -> float:
+        """Chance of a flight anywhere after so many."""
+        return self.settings.roams if flown < ROAMING else 0.0
 
     def _encode(self, parameters: Parameters) -> Floats:
         """Logarithms in units of `log_step`, all segments in a row."""
