@@ -63,7 +63,9 @@ class ScriptedObjective(Objective):
         failed = np.where(completion == 1, -1, np.round(completion * 10).astype(int))
         lap_time, dense = np.where(completion == 1, 5.0, np.nan), 10 * (1 - completion)
         flown = Scores.of_costs(100 * (1 - completion))
-        return replace(flown, completion=completion, failed_segment=failed, lap_time=lap_time, dense=dense)
+        miss = np.where([True, False, False], -completion[:, None], np.nan)  # of three gates, the second one ...
+        miss[:, 1] = np.where(completion > 0.5, completion, np.nan)  # ... within reach of the better flights, the third of none
+        return replace(flown, completion=completion, failed_segment=failed, lap_time=lap_time, dense=dense, gate_miss=miss)
 
 
 def points(count: int) -> np.ndarray:
@@ -106,6 +108,7 @@ def test_the_tuner_is_told_the_mean_cost_of_a_failed_candidate_and_the_flight_th
     run(tuner, ScriptedObjective(1.0, 1.0, 0.4, 0.2), batch=1, budget=4)
     assert tuner.told[0].cost.tolist() == [pytest.approx((0 + 0 + 60) / 3)]
     assert tuner.told[0].dense.tolist() == [pytest.approx((0 + 0 + 6) / 3)]
+    np.testing.assert_allclose(tuner.told[0].gate_miss, [[-(1 + 1 + 0.4) / 3, 1.0, np.nan]])
     assert tuner.told[0].completion.tolist() == [0.4]
     assert tuner.told[0].failed_segment.tolist() == [4]
 

@@ -348,11 +348,15 @@ def _begin(tuning: Tuning) -> tuple[Generator[Request, Scores, Batch], Request]:
 
 
 def _told(flown: Scores, goal: Goal) -> Scores:
-    """What the tuner hears of a candidate: the last flight that failed, or else the last, with the mean costs of all of them."""
+    """What the tuner hears of a candidate: the last flight that failed, or else the last, with the mean costs and misses of all of them."""
     failed = np.flatnonzero(~goal.met(flown))
     heard = int(failed[-1]) if len(failed) else len(flown) - 1
-    means = {name: np.mean(getattr(flown, name), keepdims=True) for name in ("cost", "dense")}
-    return replace(flown.rows(slice(heard, heard + 1)), **means)
+    means = {name: np.mean(getattr(flown, name), axis=0, keepdims=True) for name in ("cost", "dense")}
+    reached = np.isfinite(flown.gate_miss)
+    total = np.where(reached, flown.gate_miss, 0.0).sum(axis=0, keepdims=True)
+    with np.errstate(invalid="ignore"):
+        misses = total / reached.sum(axis=0)  # NaN where no flight got to a gate
+    return replace(flown.rows(slice(heard, heard + 1)), gate_miss=misses, **means)
 
 
 def _candidate(parameters: Parameters, flown: Scores, confirmed: bool, held: float) -> Candidate:
