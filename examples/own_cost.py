@@ -18,7 +18,7 @@ def worst_gate(flights: Flights, scores: Scores) -> np.ndarray:
 course = prepare("circle-34")
 objective = Objective(course, BuiltIn(), cost=worst_gate)
 settings = TuningSettings(goal=Goal(Quantity.NONE), budget=150, validation=0, worlds=3)  # no goal: the lowest mean over three flights
-*_, last = tune(objective, Tuning(tuners.build("guided_walk"), course, settings))
+*_, last = tune(objective, Tuning(tuners.build("gatewise"), course, settings))
 
 seeds = np.arange(100)
 for label, parameters in (("default", course.space.first_guess(len(course.segments))), ("tuned", last.best.parameters)):

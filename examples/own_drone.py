@@ -30,5 +30,5 @@ for finding in describe(race):
     print(f"{finding.label:<20} {finding.value:<20} {finding.remark}")
 
 course = prepare(race)
-*_, last = tune(Objective(course, BuiltIn()), Tuning(tuners.build("guided_walk"), course, TuningSettings(validation=100)))
+*_, last = tune(Objective(course, BuiltIn()), Tuning(tuners.build("gatewise"), course, TuningSettings(validation=100)))
 print(f"confirmed: {last.best.confirmed}, after {last.search_flights} search flights; lap {last.best.lap_time:.2f} s")

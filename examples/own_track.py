@@ -19,7 +19,7 @@ race = load_race("circle-34").model_copy(update={"name": "bowl", "track": track}
 course = prepare(race)
 reference = course.reference
 print(f"planned: {reference.lap_time:.2f} s, up to {reference.max_speed:.1f} m/s; segments: {', '.join(course.segments.classes)}")
-run = Tuning(tuners.build("guided_walk"), course, TuningSettings(budget=200, validation=100))
+run = Tuning(tuners.build("gatewise"), course, TuningSettings(budget=200, validation=100))
 for batch in tune(Objective(course, BuiltIn()), run):
     if batch.done:
         print(f"confirmed: {batch.best.confirmed}, after {batch.search_flights} search flights; lap {batch.best.lap_time:.2f} s")

@@ -1,4 +1,4 @@
-"""A tuner of your own, on equal terms with the built-in ones: also `hotlap compare RACE... --tuners own_tuner.Hill,guided_walk`."""
+"""A tuner of your own, on equal terms with the built-in ones: also `hotlap compare RACE... --tuners own_tuner.Hill,gatewise`."""
 
 from dataclasses import dataclass
 
@@ -44,6 +44,6 @@ class Hill:
 
 if __name__ == "__main__":
     course = prepare("drop-20")
-    for name in ("own_tuner.Hill", "own_tuner.Hill:bold", "guided_walk"):
+    for name in ("own_tuner.Hill", "own_tuner.Hill:bold", "gatewise"):
         *_, last = tune(Objective(course, BuiltIn()), Tuning(tuners.build(name), course, TuningSettings(validation=50)))
         print(f"{name:<20} confirmed: {last.best.confirmed}, after {last.search_flights} search flights, {last.flights} in all")

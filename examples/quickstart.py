@@ -5,7 +5,7 @@ from hotlap import BuiltIn, Configuration, Metric, Objective, Study, TuningSetti
 course = prepare("circle-34")  # plans the fastest flight through the gates, or finds the plan in the cache
 first_guess = course.space.first_guess(len(course.segments))  # the controller's default; (segments, parameters)
 settings = TuningSettings(budget=200, seed=0, confirm=10)
-asked = Configuration(course, "built-in", Metric.TIME, "guided_walk:default", settings, first_guess)
+asked = Configuration(course, "built-in", Metric.TIME, "gatewise:default", settings, first_guess)
 
 with Study.open("runs/quickstart", asked) as study:
     result = carry_out(study, Objective(course, BuiltIn()))

@@ -8,7 +8,7 @@ from hotlap.scoring import score
 from hotlap.truth import MASSES, TRUTH, scale, truth_of
 
 course, world = prepare("drop-20"), BuiltIn()
-*_, last = tune(Objective(course, world), Tuning(tuners.build("guided_walk"), course, TuningSettings(validation=100)))
+*_, last = tune(Objective(course, world), Tuning(tuners.build("gatewise"), course, TuningSettings(validation=100)))
 for hold in will_it_hold(course, world, Goal(), last.best.parameters, seed=0):
     print(f"{hold.change:<22} {hold.validation.successes:3} of {hold.validation.flights}")
 

@@ -14,7 +14,7 @@ GATE_SEGMENTS = np.array([0, 0, 1, 2])
 def flights(count: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Points, and misses that depend on the parameters of each gate's own segment alone, shape (count, 4)."""
     points = np.random.default_rng(seed).uniform(-2, 2, (count, SEGMENTS, SIZE))
-    return points, 0.4 * (points[:, GATE_SEGMENTS] ** 2).sum(axis=2) - 1.0
+    return points, 0.2 * (points[:, GATE_SEGMENTS] ** 2).sum(axis=2) - 0.8
 
 
 def learnt(count: int = 60, seed: int = 0):

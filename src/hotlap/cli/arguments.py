@@ -100,7 +100,7 @@ def _plan(parser: Parser) -> None:
 def _tune(parser: Parser) -> None:
     _race(parser)
     add = parser.add_argument
-    add("--tuner", default="guided_walk", metavar="NAME", help="NAME, NAME:PRESET or my_module.MyTuner (default: guided_walk)")
+    add("--tuner", default="gatewise", metavar="NAME", help="NAME, NAME:PRESET or my_module.MyTuner (default: gatewise)")
     add("--goal", default="completion=1", help=f"when to stop: {GOALS}; or lap_time: the fastest plan that holds (default: completion=1)")
     add("--budget", type=whole, default=200, metavar="N", help="flights at most, re-flights included (default: 200)")
     add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")
@@ -157,7 +157,7 @@ def _watch(parser: Parser) -> None:
 def _compare(parser: Parser) -> None:
     add = parser.add_argument
     add("races", nargs="+", metavar="RACE", help="built-in races (hotlap races) or TOML files")
-    names = "guided_walk,metropolis_hastings,cma_es,random_search"
+    names = "gatewise,metropolis_hastings,cma_es,random_search"
     add("--tuners", default=names, metavar="A,B", help=f"NAME, NAME:PRESET or my_module.MyTuner of each (default: {names})")
     add("--seeds", type=whole, default=10, metavar="N", help="runs of each tuner on each race (default: 10)")
     add("--budget", default="200", metavar="N", help="flights of a run, re-flights included: 200,cma_es=1000 (default: 200)")
@@ -254,7 +254,7 @@ COMMANDS: Mapping[str, Command] = {
         _compare,
         (
             "hotlap compare drop-20 flip-16 --out runs/compared",
-            "hotlap compare my-race.toml --tuners guided_walk,cma_es:tied --seeds 20 --out runs/mine",
+            "hotlap compare my-race.toml --tuners gatewise,cma_es:tied --seeds 20 --out runs/mine",
         ),
     ),
     "fly": Command(

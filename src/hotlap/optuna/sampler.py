@@ -22,6 +22,7 @@ from hotlap.optuna.box import Box
 from hotlap.optuna.run import KEY, Note, Origin, Run, cost_of
 from hotlap.records import Scores
 
+DEFAULT = "guided_walk"  # a function has no gates
 SEED = "hotlap:seed"  # of a study, in its storage
 POINT = "hotlap:point"  # that a trial under way tries
 TRIES, WAIT = 50, 0.01  # s: to take a point that no other process takes
@@ -34,7 +35,7 @@ class HotlapSampler(BaseSampler):
     no number, and what is not in every trial, is drawn at random throughout. A trial that fails or is pruned counts as worse than any.
 
     All that it knows is in the study's storage: another process goes on as this one would have, and several may work at once.
-    With trials in parallel, the guided walk learns from all of them, and takes those under way to be average. The other tuners
+    With trials in parallel, guided_walk and gatewise learn from all of them, and take those under way to be average. The other tuners
     depend on the order in which they are told: trials that run at the same time belong to one ask of up to `batch` points, and where
     all of these are under way, to another run of the tuner, which begins at the best trial of that time.
 
@@ -51,7 +52,7 @@ class HotlapSampler(BaseSampler):
 
     def __init__(
         self,
-        tuner: str = tuners.DEFAULT,
+        tuner: str = DEFAULT,
         *,
         seed: int | None = None,
         startup: int = 5,

@@ -43,7 +43,7 @@ from hotlap.tuners.trust_region import TrustRegion
 from hotlap.tuners.tuner import Tuner
 from hotlap.tuners.weighted_likelihood import WeightedLikelihood
 
-DEFAULT = "guided_walk"
+DEFAULT = "gatewise"
 
 _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
     "bayesian": (Bayesian, bayesian.PRESETS),

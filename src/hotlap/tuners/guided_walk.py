@@ -1,4 +1,4 @@
-"""Guided walk: hotlap's own tuner, a random walk around the best point known, guided by a Gaussian process.
+"""Guided walk: hotlap's own tuner where there are no gates, a random walk around the best point known, guided by a Gaussian process.
 
 1. Steps are Gaussian in logarithms and the same in all segments: five numbers are found sooner than thirty-five. Only half of the
    candidates, those that move along some axes and not along others, part the segments, a little at a time.
