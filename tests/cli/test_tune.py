@@ -109,7 +109,7 @@ def test_parameters_say_where_they_come_from(hotlap, here):
     provenance = load_parameters(here / "mine").provenance
     assert provenance["hotlap"] == __version__
     assert re.fullmatch("[0-9a-f]{16}", str(provenance["study"]))
-    assert (provenance["tuner"], provenance["goal"], provenance["seed"]) == ("guided_walk:default", "completion=1", 1)
+    assert (provenance["tuner"], provenance["goal"], provenance["seed"]) == ("gatewise:default", "completion=1", 1)
     assert (provenance["confirmed"], provenance["validation_flights"]) == (True, 50)
     assert provenance["validated_low"] <= provenance["validated_rate"] <= provenance["validated_high"]
 
