@@ -26,9 +26,9 @@ Floats = NDArray[np.float64]
 FLIGHTS = len(AUTOTUNE_CURVE)
 RUNS = {
     "the paper's sampler, default weights": ("metropolis_hastings:paper", "default"),
-    "hotlap, default weights": ("guided_walk", "default"),
+    "hotlap, default weights": ("gatewise", "default"),
     "the paper's sampler, the paper's first guess": ("metropolis_hastings:paper", "paper"),
-    "hotlap, learned first guess": ("guided_walk", "learned"),
+    "hotlap, learned first guess": ("gatewise", "learned"),
 }
 
 

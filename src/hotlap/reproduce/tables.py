@@ -35,12 +35,12 @@ METHODS: Mapping[str, tuple[str, int]] = {  # of Table I: tuner, budget
     "CMA-ES": ("cma_es:raw", 1000),
     "gradient boosting": ("gradient_boosting:surrogate", 200),
     "AutoTune": ("metropolis_hastings:paper", 200),
-    "hotlap": ("guided_walk", 200),
+    "hotlap": ("gatewise", 200),
 }
 SLOW = ("bayesian", "gradient_boosting")  # whose own time exceeds that of the flights
 GUESSES = ("default", "learned", "paper")
-UNTIED = ("metropolis_hastings:paper", "metropolis_hastings:untied_log", "guided_walk")
-TIED = ("metropolis_hastings:tied", "guided_walk:tied")
+UNTIED = ("metropolis_hastings:paper", "metropolis_hastings:untied_log", "guided_walk", "gatewise")
+TIED = ("metropolis_hastings:tied", "guided_walk:tied", "gatewise:tied")
 GAME_OF_DRONES = ("qualifier-20", "final-22")
 QUICK = 20  # flights of a run in the short forms
 FLOWN = 100  # flights of each controller in Table II
