@@ -39,8 +39,8 @@ METHODS: Mapping[str, tuple[str, int]] = {  # of Table I: tuner, budget
 }
 SLOW = ("bayesian", "gradient_boosting")  # whose own time exceeds that of the flights
 GUESSES = ("default", "learned", "paper")
-UNTIED = ("metropolis_hastings:paper", "metropolis_hastings:untied_log", "guided_walk", "gatewise")
-TIED = ("metropolis_hastings:tied", "guided_walk:tied", "gatewise:tied")
+UNTIED = ("metropolis_hastings:paper", "metropolis_hastings:untied_log", "guided_walk")
+TIED = ("metropolis_hastings:tied", "guided_walk:tied")
 GAME_OF_DRONES = ("qualifier-20", "final-22")
 QUICK = 20  # flights of a run in the short forms
 FLOWN = 100  # flights of each controller in Table II
