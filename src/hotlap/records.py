@@ -89,7 +89,7 @@ class Scores:
         failed_segment: shape (B,) segment of the first missed gate; -1 where all were passed.
         gate_distance: shape (B, M) [m] as the rule measures it; NaN where the flight did not get there.
         gate_miss: shape (B, M), logarithm of that distance over the judge's: below 0 where a gate was passed, NaN where the flight did not
-            get there; shape (B, 0) where the cost is not made of gates.
+            get there; a tuner hears the mean over a candidate's flights that did; shape (B, 0) where the cost is not made of gates.
         gate_segment: shape (B, M), the segment that each gate lies in; shape (B, 0) likewise.
         mean_error, max_error: shape (B,) [m].
         lap_time: shape (B,) [s] of complete flights; NaN for the others.

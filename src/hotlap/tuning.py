@@ -211,8 +211,8 @@ class Tuning:
     def batch(self) -> Generator[Request, Scores, Batch]:
         """One turn: yields what it wants flown, is sent the scores, returns what came of it.
 
-        Flights that meet the goal are flown again one by one, in order, until one fails; the tuner is told the mean cost over all
-        flights of a candidate, and otherwise the flight that failed. When the budget is spent, the last turn validates the best.
+        Flights that meet the goal are flown again one by one, in order, until one fails; the tuner is told the mean cost and misses over
+        all flights of a candidate, and otherwise the flight that failed. When the budget is spent, the last turn validates the best.
         """
         if self._searched and self.best is not None:
             self.validation, ledger, _ = yield from self._validate(self.best.parameters)

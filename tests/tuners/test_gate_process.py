@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hotlap.tuners.gate_process import FARTHEST, NEAREST, GateKernel, Group, climb, condition, gate_groups, log_posterior, matern
+from hotlap.tuners.gate_process import FARTHEST, NEAREST, ROWS, GateKernel, Group, climb, condition, gate_groups, log_posterior, matern
 
 SEGMENTS, SIZE = 3, 2
 GATE_SEGMENTS = np.array([0, 0, 1, 2])
@@ -90,3 +90,13 @@ def test_a_gate_that_was_not_reached_teaches_nothing_and_one_behind_a_reached_on
     assert (deviations > 0).all()
     assert (noises > 0).all()
     assert np.ptp(means[:, 3]) == 0, "nothing is known of the last gate"
+
+
+def test_the_likelihood_is_asked_about_the_latest_flights_alone():
+    points, misses = flights(ROWS + 50)
+    old = misses.copy()
+    old[:50] = np.random.default_rng(8).standard_normal((50, 4))
+    start, seeds = GateKernel.prior(SIZE), (np.random.default_rng(4), np.random.default_rng(4))
+    found = [climb(points, gate_groups(each, GATE_SEGMENTS), start, 10, rng) for each, rng in zip((misses, old), seeds, strict=True)]
+    np.testing.assert_array_equal(found[0].numbers, found[1].numbers)
+    assert not np.array_equal(found[0].numbers, start.numbers)

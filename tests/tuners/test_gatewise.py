@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hotlap import tuners
-from hotlap.parameters import ParameterSpace
 from hotlap.records import Scores
+from hotlap.tuners.gate_process import FARTHEST, NEAREST
+from hotlap.tuners.gatewise import SPARE, Gatewise, Settings
+from hotlap.tuners.walk import MEMORY, fitted
 
 from .laws import make_scores, make_space
 
@@ -72,12 +75,71 @@ def test_a_cost_of_its_own_is_what_counts():
     assert away(tuner.ask(1))[0] < 1.0 < away(SPACE.first_guess(SEGMENTS)[None])[0]
 
 
-def test_memory_is_bounded_and_the_best_is_kept():
-    tuner, noise = tuners.build("gatewise:hasty"), np.random.default_rng(0)
-    space = ParameterSpace(SPACE.names, SPACE.low, SPACE.high, np.exp(WANTED[:3]), SPACE.log_step)
-    tuner.start(space.first_guess(SEGMENTS), space, np.random.default_rng(0))
-    for _ in range(230):
+def begin(name: str = "gatewise", seed: int = 0) -> tuners.Tuner:
+    tuner = tuners.build(name)
+    tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(seed))
+    return tuner
+
+
+def play(tuner: tuners.Tuner, flights: int, noise: np.random.Generator) -> np.ndarray:
+    """All that was asked for in so many flights, some of which crash."""
+    asked = []
+    for _ in range(flights):
+        asked.append(tuner.ask(1))
+        tuner.tell(asked[-1], fly(asked[-1], noise, unreached=True))
+    return np.concatenate(asked)
+
+
+@pytest.mark.parametrize("before", [3, 30, 205])
+def test_saved_and_restored_it_goes_on_with_its_gates(before):
+    kept = begin("gatewise:hasty")
+    play(kept, before, np.random.default_rng(0))
+    saved = json.dumps(kept.state(), allow_nan=False)
+    assert before < 30 or "null" in saved, "some gates were not reached"
+    resumed = begin("gatewise:hasty", seed=9)
+    resumed.restore(json.loads(saved))
+    np.testing.assert_array_equal(play(resumed, 15, np.random.default_rng(1)), play(kept, 15, np.random.default_rng(1)))
+    assert json.dumps(resumed.state()) == json.dumps(kept.state())
+
+
+def test_flights_of_which_nothing_is_known_leave_it_within_the_bounds():
+    tuner = begin()
+    for _ in range(30):
         asked = tuner.ask(1)
-        tuner.tell(asked, fly(asked, noise))
-    assert len(tuner.state()["misses"]) == len(tuner.state()["points"]) == 230
-    assert space.contains(tuner.ask(1))
+        assert SPACE.contains(asked)
+        lost = replace(fly(asked, np.random.default_rng(0)), gate_miss=np.full((1, len(GATE_SEGMENTS)), np.nan), dense=np.array([np.nan]))
+        tuner.tell(asked, lost)
+
+
+def test_the_best_and_the_latest_flights_are_fitted_and_no_more_than_memory_holds():
+    costs = np.random.default_rng(0).permutation(500).astype(float)
+    chosen = fitted(costs)
+    assert len(chosen) <= MEMORY < len(costs)
+    assert set(np.argsort(costs)[: MEMORY // 2]) | set(range(500 - MEMORY // 2, 500)) == set(chosen.tolist())
+    assert (np.diff(chosen) > 0).all(), "in the order flown"
+    np.testing.assert_array_equal(fitted(costs[:MEMORY]), np.arange(MEMORY))
+
+
+def test_each_point_keeps_its_own_misses_when_some_are_left_out():
+    tuner = Gatewise("gatewise", Settings())
+    tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(0))
+    points = SPACE.from_unit(np.random.default_rng(1).random((300, SEGMENTS, 3)))
+    scores = fly(points, np.random.default_rng(2))
+    tuner.tell(points, scores)
+    chosen = fitted(scores.dense)
+    groups = tuner._groups(scores.dense, chosen)
+    assert [group.columns.tolist() for group in groups] == [[0, 1], [2], [3, 4], [5]]
+    for group in groups:
+        np.testing.assert_array_equal(group.values, np.clip(scores.gate_miss[chosen][:, group.columns], NEAREST, FARTHEST))
+
+
+def test_a_candidate_is_worth_less_the_nearer_it_comes_to_a_miss_and_what_is_not_known_is_hoped_for():
+    tuner = Gatewise("gatewise", Settings())
+    tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(0))
+    tuner.tell(SPACE.first_guess(SEGMENTS)[None], fly(SPACE.first_guess(SEGMENTS)[None], np.random.default_rng(0)))
+    means, noises = np.array([[-1.0], [-SPARE], [0.0], [0.5]]), np.array([0.2])
+    values = tuner._value(means, np.zeros((4, 1)), noises, 1.0)
+    assert values[1] == pytest.approx(np.log(2)), "with just enough to spare it passes in half of the cases"
+    assert (np.diff(values) > 0).all()
+    assert (tuner._value(means, np.full((4, 1), 0.3), noises, 1.0) < values).all()
+    np.testing.assert_array_equal(tuner._value(means, np.full((4, 1), 0.3), noises, 0.0), values)

@@ -18,7 +18,7 @@ Singles = NDArray[np.float32]
 Reals = TypeVar("Reals", Floats, Singles)
 
 NEAREST, FARTHEST = float(np.log(0.25)), float(np.log(3.0))  # what a miss counts as at least and at most
-UNKNOWN = (0.5, 1.0, 0.5)  # mean, standard deviation and noise of a gate that was reached fewer than twice
+UNKNOWN = (0.5, 1.0, 0.5)  # mean, standard deviation and noise of the gates of a segment that was reached fewer than twice
 LEAST_SPREAD = 0.05  # standard deviation of a gate's values
 LEAST_NOISE = 1e-3  # variance, over that of the signal
 LEAST_VARIANCE = 1e-4  # of the signal, over that of the values

@@ -26,16 +26,16 @@ from numpy.typing import NDArray
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
 from hotlap.tuners.gate_process import GateKernel, Group, climb, condition, gate_groups
-from hotlap.tuners.walk import Walk, leaping_points, remembered
+from hotlap.tuners.walk import Walk, fitted, leaping_points
 
 Floats = NDArray[np.float64]
 
 POOL = 300  # candidates of a generation
-REFIT = 5  # flights between climbs of the likelihood
+REFIT = 5  # flights between climbs of the likelihood, or twice as many where the walk roams just then
 STRIDES = (20, 6)  # of the first climb, and of the later ones
 STEP_SIZES = (math.log(0.1), math.log(1.5))  # of a candidate, in units of `step`
 EAGERNESS = (math.log(0.3), math.log(3.0))  # of k
-ROAMING, LEAST_ROAMING = 20, 0.25  # flights in which the chance to roam halves, and the share of it that is left for ever
+HALF_ROAMING, LEAST_ROAMING = 20, 0.25  # flights in which the chance to roam halves, and the share of it that is left for ever
 SPARE = 0.15  # of the logarithm of a gate's distance: to pass with, and standard deviation of what no process knows
 PROBIT = 1.7  # softplus(1.7 z) is nearly -log of the chance that a standard normal is larger than z
 
@@ -110,7 +110,7 @@ class Gatewise(Walk[Settings]):
 
     def _roaming(self, flown: int) -> float:
         """Chance of a flight anywhere: it falls, but not to nothing, lest the walk stay where no set of parameters holds."""
-        return self.settings.roams * max(LEAST_ROAMING, ROAMING / (ROAMING + flown))
+        return self.settings.roams * max(LEAST_ROAMING, HALF_ROAMING / (HALF_ROAMING + flown))
 
     def _steps(self, count: int) -> Floats:
         """Gaussian steps of unit size, the same in all segments, shape (count, S K)."""
@@ -119,7 +119,7 @@ class Gatewise(Walk[Settings]):
 
     def _propose(self, costs: Floats) -> Floats:
         """The best candidate of the last generation, or a leap."""
-        chosen = remembered(costs)
+        chosen = fitted(costs)
         flat = np.array(self._points)[chosen]
         points, groups = self._cube(flat), self._groups(costs, chosen)
         if self._kernel is None or len(costs) % REFIT == 0:

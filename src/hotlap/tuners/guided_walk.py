@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.tuners.gaussian_process import LENGTHS, Shape, choose_shape, fit
-from hotlap.tuners.walk import Walk, leaping_points, remembered
+from hotlap.tuners.walk import Walk, fitted, leaping_points
 
 Floats = NDArray[np.float64]
 
+ROAMING = 40  # flights, after which it roams no more
 POOL = 300  # candidates
 REFIT = 10  # flights between looks at the likelihood
 STEP_SIZES = (math.log(0.1), math.log(1.5))  # of a candidate, in units of `step`
@@ -83,6 +84,10 @@ class GuidedWalk(Walk[Settings]):
         super().restore(state)
         self._kernel = None if state["kernel"] is None else Shape(*state["kernel"])
 
+    def _roaming(self, flown: int) -> float:
+        """Chance of a flight anywhere after so many."""
+        return self.settings.roams if flown < ROAMING else 0.0
+
     def _steps(self, count: int) -> Floats:
         """Gaussian steps of unit size, correlated over segments, shape (count, S K)."""
         segments, size = self._shape_of_parameters
@@ -91,7 +96,7 @@ class GuidedWalk(Walk[Settings]):
 
     def _propose(self, costs: Floats) -> Floats:
         """The lowest of many candidates, or a leap."""
-        chosen = remembered(costs)
+        chosen = fitted(costs)
         points, costs = np.array(self._points)[chosen], costs[chosen]
         if self._kernel is None or len(self._costs) % REFIT == 0:
             lengths = tuple(length * math.sqrt(self._shape_of_parameters[0]) for length in LENGTHS)

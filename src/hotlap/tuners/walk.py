@@ -17,7 +17,6 @@ Floats = NDArray[np.float64]
 MEMORY = 200  # points that a process is fitted to
 LEAP_SIZES = (0.3, 1.2)  # in units of `step`
 LEAP_SHARE = 0.1  # of the points known, from which a leap may leave
-ROAMING = 40  # flights, after which a walk roams no more
 
 
 class WalkSettings(Protocol):
@@ -44,15 +43,15 @@ class WalkSettings(Protocol):
         ...
 
 
-Told = TypeVar("Told", bound=WalkSettings)
+AnySettings = TypeVar("AnySettings", bound=WalkSettings)
 
 
-class Walk(ABC, Generic[Told]):
+class Walk(ABC, Generic[AnySettings]):
     """A walk that remembers every flight. Each `ask` gives one proposal, the same one until it is told."""
 
     learns_from_any: ClassVar[bool] = True
 
-    def __init__(self, name: str, settings: Told) -> None:
+    def __init__(self, name: str, settings: AnySettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
@@ -122,9 +121,9 @@ class Walk(ABC, Generic[Told]):
         size = self.settings.step * self._rng.uniform(*LEAP_SIZES)
         return good[int(self._rng.integers(len(good)))] + size * self._steps(1)[0]
 
+    @abstractmethod
     def _roaming(self, flown: int) -> float:
         """Chance of a flight anywhere after so many."""
-        return self.settings.roams if flown < ROAMING else 0.0
 
     def _encode(self, parameters: Parameters) -> Floats:
         """Logarithms in units of `log_step`, all segments in a row."""
@@ -162,7 +161,7 @@ def leaping_points(values: Floats) -> NDArray[np.intp]:
     return np.argsort(values)[: max(3, round(LEAP_SHARE * len(values)))]
 
 
-def remembered(costs: Floats) -> NDArray[np.intp]:
+def fitted(costs: Floats) -> NDArray[np.intp]:
     """The points that are fitted: all, or the best and the latest half of `MEMORY`.
 
     Args:
