@@ -19,7 +19,8 @@ AIRSIM = tuple(f"airsim-{name}" for name in TABLE_I)
 BUDGETS = "200,cma_es=1000,particle_swarm=1000"  # those of the paper
 
 QUICK = (
-    "gatewise", "guided_walk", "metropolis_hastings:tied", "metropolis_hastings:paper", "metropolis_hastings:released", "random_search:paper",
+    "gatewise", "guided_walk", "metropolis_hastings:tied", "metropolis_hastings:paper", "metropolis_hastings:released",
+    "random_search:paper",
     "random_search:uniform", "random_search:log_uniform", "cma_es:log", "cma_es:raw", "cma_es:tied", "cma_es:bipop", "cma_es:warm",
     "particle_swarm:paper", "particle_swarm:log", "simulated_annealing:tied", "simulated_annealing:paper", "tempered:swapping",
     "tempered:independent", "tempered:multiple_try", "weighted_likelihood:tied", "weighted_likelihood:segments", "gradient:spsa",
