@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.records import Scores
 from hotlap.tuners.gate_process import GateKernel, Group, climb, condition, gate_groups
-from hotlap.tuners.walk import Walk, fitted, leaping_points
+from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
 
 Floats = NDArray[np.float64]
 
@@ -41,25 +41,17 @@ PROBIT = 1.7  # softplus(1.7 z) is nearly -log of the chance that a standard nor
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(WalkSettings):
     """What tells one from another.
 
     Attributes:
-        step: standard deviation of a step, in natural logarithms times the space's `log_step`.
-        opening: flights around the best one, before the processes guide.
-        leaps: share of the flights that leave from another good point.
-        roams: chance, at first, of a flight anywhere within the bounds, the same in all segments.
-        dense: use the dense cost, and flights that go on after a miss.
         generations: of candidates before each flight.
         parted: share of the candidates that move a range of segments alone.
         gates: whether there is a process for each gate; else one for the cost.
     """
 
-    step: float = 0.6
-    opening: int = 5
     leaps: float = 0.1
     roams: float = 0.4
-    dense: bool = True
     generations: int = 3
     parted: float = 0.33
     gates: bool = True

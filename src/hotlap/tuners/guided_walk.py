@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from hotlap.parameters import Parameters, ParameterSpace
 from hotlap.tuners.gaussian_process import LENGTHS, Shape, choose_shape, fit
-from hotlap.tuners.walk import Walk, fitted, leaping_points
+from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
 
 Floats = NDArray[np.float64]
 
@@ -33,26 +33,16 @@ EAGERNESS = (math.log(0.3), math.log(3.0))  # of k
 
 
 @dataclass(frozen=True)
-class Settings:
-    """What tells one walk from another.
+class Settings(WalkSettings):
+    """What tells one guided walk from another.
 
     Attributes:
-        step: standard deviation of a step, in natural logarithms times the space's `log_step`.
         correlation: of the steps of two segments; 1 moves all alike, 0 each by itself.
         apart: whether what moves along some axes only chooses them for each segment; else for all alike.
-        opening: flights around the best one, before the process guides.
-        leaps: share of the flights that leave from another good point.
-        roams: share of the first flights anywhere within the bounds, the same in all segments.
-        dense: use the dense cost, else the metric.
     """
 
-    step: float = 0.6
     correlation: float = 1.0
     apart: bool = True
-    opening: int = 5
-    leaps: float = 0.25
-    roams: float = 0.2
-    dense: bool = True
 
 
 PRESETS: Mapping[str, Settings] = {

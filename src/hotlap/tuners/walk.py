@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar, Generic, Protocol, TypeVar
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,28 +20,23 @@ LEAP_SIZES = (0.3, 1.2)  # in units of `step`
 LEAP_SHARE = 0.1  # of the points known, from which a leap may leave
 
 
-class WalkSettings(Protocol):
-    """What every walk is told."""
+@dataclass(frozen=True)
+class WalkSettings:
+    """What every walk is told.
 
-    @property
-    def step(self) -> float:
-        """Standard deviation of a step, in natural logarithms times the space's `log_step`."""
-        ...
+    Attributes:
+        step: standard deviation of a step, in natural logarithms times the space's `log_step`.
+        opening: flights around the best one, before anything guides.
+        leaps: share of the flights that leave from another good point.
+        roams: chance, at first, of a flight anywhere within the bounds, the same in all segments.
+        dense: use the dense cost, and flights that go on after a miss; else the metric.
+    """
 
-    @property
-    def opening(self) -> int:
-        """Flights around the best one, before anything guides."""
-        ...
-
-    @property
-    def roams(self) -> float:
-        """Chance, at first, of a flight anywhere within the bounds, the same in all segments."""
-        ...
-
-    @property
-    def dense(self) -> bool:
-        """Use the dense cost, else the metric."""
-        ...
+    step: float = 0.6
+    opening: int = 5
+    leaps: float = 0.25
+    roams: float = 0.2
+    dense: bool = True
 
 
 AnySettings = TypeVar("AnySettings", bound=WalkSettings)
