@@ -156,7 +156,7 @@ def test_without_confirmations_the_first_success_is_believed():
 
 def test_a_confirmed_candidate_is_validated_with_noise_of_its_own_outside_the_budget():
     objective = ScriptedObjective(0.2, *(1.0,) * 5, *(1.0, 1.0, 1.0, 1.0, 0.5))
-    tuning, batches = run(Listener(points(9)), objective, batch=1, budget=6, validation=5)
+    tuning, batches = run(Listener(points(9)), objective, batch=1, budget=6, validation=5, reliability=0.8)
     assert objective.completions == []
     assert (tuning.flights, tuning.validation_flights, tuning.done) == (6, 5, True)
     assert tuning.validation == batches[-1].validation == Validation(5, 4)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 FLIGHTS = 200
-RELIABILITY = 0.8  # least rate of a result that holds
+RELIABILITY = 0.9  # least rate of a result that holds; see docs/tuners.md, "How many re-flights make a controller hold"
 Z_95 = 1.959963984540054  # the normal quantile of a two-sided 95 % interval
 
 
