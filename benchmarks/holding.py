@@ -1,7 +1,7 @@
 """Which rule hands over controllers that hold, and what it costs: python benchmarks/holding.py --help
 
 The default tuner from the learned first guess, where `hotlap tune` begins, and from the default weights, under several rules for what may
-be handed over: so many re-flights, and so large a share of 200 more. Every result is then flown 1000 times with noise that no rule has
+be handed over: so many re-flights, and so large a share of 200 more. Every result is then flown 400 times with noise that no rule has
 seen, so that a rule does not judge itself. Runs are kept in `--out`/runs.jsonl; the same command goes on where it was interrupted.
 """
 
@@ -29,7 +29,7 @@ SUITE = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier
 AIRSIM = ("airsim-circle-34", "airsim-drop-20", "airsim-flip-16", "airsim-spiral-53", "airsim-qualifier-20", "airsim-final-21")
 RULES = ((4, 0.0), (10, 0.0), (10, 0.8), (10, 0.9), (10, 0.95))  # re-flights, least share of 200 more
 VALIDATION = 200  # flights, where a share of them is asked for
-FLIGHTS, FIRST_SEED = 1000, 10**12  # of each result; seeds that no search has met
+FLIGHTS, FIRST_SEED = 400, 10**12  # of each result; seeds that no search has met
 
 
 @dataclass(frozen=True)
