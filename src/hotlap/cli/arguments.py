@@ -115,7 +115,13 @@ def _tune(parser: Parser) -> None:
     add("--worlds", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
     add("--confirm", type=whole, default=10, metavar="N", help="re-flights that a candidate must pass (default: 10; the paper's: 4)")
     add("--validation", type=whole, default=200, metavar="N", help="flights of the result with fresh noise, 0 for none (default: 200)")
-    add("--reliability", type=fraction, default=RELIABILITY, metavar="R", help="least share of these to succeed (default: 0.9; 0: any)")
+    add(
+        "--reliability",
+        type=fraction,
+        default=RELIABILITY,
+        metavar="R",
+        help=f"least share of these to succeed (default: {RELIABILITY:g}; 0: any)",
+    )
     add("--batch", type=whole, default=8, metavar="N", help="most candidates to fly at once, for tuners that can (default: 8)")
 
 
