@@ -262,7 +262,7 @@ def test_same_seed_same_run_and_another_seed_another(name):
 
 @EVERY
 def test_stopped_after_any_batch_and_resumed_equals_never_stopped(name):
-    settings = TuningSettings(seed=1, budget=60, batch=3, validation=20, reliability=0.999)
+    settings = TuningSettings(seed=1, budget=40, batch=3, validation=20, reliability=0.999)
     whole = list(tune(Objective(COURSE, FakeWorld()), Tuning(tuners.build(name), COURSE, settings)))
     for stop in range(1, len(whole), 5):
         state = json.loads(json.dumps(whole[stop - 1].state, allow_nan=False))
@@ -282,14 +282,14 @@ def test_a_run_that_has_ended_flies_no_more_after_a_restore():
 
 
 def test_runs_in_lockstep_go_as_they_would_alone_and_share_their_batches():
-    names = [*tuners.names(), *tuners.names()]
-    together = [Tuning(tuners.build(name), COURSE, TuningSettings(seed=seed, budget=50, validation=0)) for seed, name in enumerate(names)]
+    names = [*tuners.names(), *(name for name in tuners.names() if name.endswith(("tied", "default")))]
+    together = [Tuning(tuners.build(name), COURSE, TuningSettings(seed=seed, budget=40, validation=0)) for seed, name in enumerate(names)]
     world = FakeWorld()
     batches: list[list[Batch]] = [[] for _ in names]
     for i, batch in tune_together(Objective(COURSE, world), together):
         batches[i].append(batch)
     for seed, name in enumerate(names):
-        _, alone = run(tuners.build(name), seed=seed, budget=50)
+        _, alone = run(tuners.build(name), seed=seed, budget=40)
         assert_same(ledger_of(batches[seed]), ledger_of(alone))
         assert batches[seed][-1].state == alone[-1].state
     assert max(world.batches) >= len(names)

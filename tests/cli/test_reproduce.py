@@ -13,6 +13,8 @@ from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE, RACES, TABLE_I
 from hotlap.reproduce.tables import METHODS, _budgets
 
+FLOWN = {"table1": "2 seeds, 20 flights, from", "table3": "within 20 flights, with 95 % intervals; 2 seeds on circle-34,"}
+
 
 def test_what_can_be_asked_is_what_there_is():
     assert tuple(EXPERIMENTS) == NAMED
@@ -45,15 +47,7 @@ def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, ca
     assert json.loads(again.out)["experiments"][name] == first
     assert (tmp_path / f"{name}-quick" / "page.md").read_text(encoding="utf-8") == page
     assert "now" not in again.err
-
-
-@pytest.mark.parametrize(
-    ("name", "said"), [("table1", "2 seeds, 20 flights, from"), ("table3", "within 20 flights, with 95 % intervals; 2 seeds on circle-34,")]
-)
-def test_a_short_form_says_what_it_flew(name, said, tmp_path, capsys):
-    assert main(["reproduce", name, "--quick", "--jobs", "1", "--out", str(tmp_path)]) == 0
-    capsys.readouterr()
-    assert said in (tmp_path / f"{name}-quick" / "page.md").read_text(encoding="utf-8")
+    assert FLOWN.get(name, "") in page, "a short form says what it flew"
 
 
 def test_the_budgets_are_those_of_the_paper():

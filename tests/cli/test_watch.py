@@ -48,7 +48,7 @@ def ask(address, path, method="GET", **headers):
 
 
 @pytest.fixture
-def finished(hotlap):
+def finished(faked, hotlap):  # noqa: ARG001  the fakes come first
     assert hotlap("tune", "straight.toml", "--seed", "1", "--validation", "50", "--out", "mine").code == 0
     return "mine"
 

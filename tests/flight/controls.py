@@ -89,9 +89,7 @@ def draw_problem(seed: int, nodes: int, *, away: float) -> tuple[Mpc, Pilot]:
 
 def best_plan(mpc: Mpc, pilot: Pilot) -> tuple[np.ndarray, np.ndarray]:
     """States and inputs that solve the quadratic problem around a plan, from the state seen: in dense matrices."""
-    from hotlap import dynamics  # noqa: PLC0415
-
-    linearised = dynamics.linearised_node_map()
+    linearised = stages.linearised_node_map()
     h, low, high = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0]
     states, inputs, reference = mpc.X[..., 0].copy(), mpc.U[..., 0], mpc.reference[..., 0]
     states[0] = pilot.seen[:, 0]

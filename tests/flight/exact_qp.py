@@ -12,7 +12,6 @@ import daqp
 import numpy as np
 from numba import njit
 
-from hotlap import dynamics
 from hotlap.course import Course
 from hotlap.flight.batch import fly_batch, prepare, settings_of
 from hotlap.flight.control import aim, begin_control, begin_plan
@@ -92,7 +91,7 @@ def exact(mpc: Mpc) -> np.ndarray:
 
 def solution(mpc: Mpc) -> tuple[np.ndarray, np.ndarray]:
     """Inputs and planned states of the quadratic problem's solution, (N, 4) and (N + 1, 10): states eliminated, then DAQP."""
-    linearised = dynamics.linearised_node_map()
+    linearised = stages.linearised_node_map()
     h, low, high, gravity = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0], mpc.constants[0, 0]
     states, inputs, reference = mpc.X[..., 0], mpc.U[..., 0], mpc.reference[..., 0]
     nodes = len(inputs)

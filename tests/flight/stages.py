@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import product
 from typing import NamedTuple
 
@@ -21,6 +22,14 @@ def difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     w, v = a[3], a[4:7]
     turn = w * b[4:7] - b[3] * v - np.cross(v, b[4:7])
     return np.concatenate([b[:3] - a[:3], 2 * turn, b[7:10] - a[7:10]])
+
+
+@cache
+def linearised_node_map():
+    """Of `dynamics`, once a process: the expressions take longer to write than to evaluate."""
+    from hotlap import dynamics  # noqa: PLC0415  not where nothing is linearised
+
+    return dynamics.linearised_node_map()
 
 
 def unpack(jacobian: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
