@@ -255,14 +255,14 @@ def test_flights_are_numbered_without_gaps_and_never_share_noise(name):
 
 @EVERY
 def test_same_seed_same_run_and_another_seed_another(name):
-    (_, one), (_, same), (_, other) = (run(tuners.build(name), seed=seed, budget=40) for seed in (1, 1, 2))
+    (_, one), (_, same), (_, other) = (run(tuners.build(name), seed=seed, budget=25) for seed in (1, 1, 2))
     assert_same(ledger_of(one), ledger_of(same))
     assert not np.array_equal(ledger_of(one).cost, ledger_of(other).cost)
 
 
 @EVERY
 def test_stopped_after_any_batch_and_resumed_equals_never_stopped(name):
-    settings = TuningSettings(seed=1, budget=40, batch=3, validation=20, reliability=0.999)
+    settings = TuningSettings(seed=1, budget=30, batch=3, validation=20, reliability=0.999)
     whole = list(tune(Objective(COURSE, FakeWorld()), Tuning(tuners.build(name), COURSE, settings)))
     for stop in range(1, len(whole), 5):
         state = json.loads(json.dumps(whole[stop - 1].state, allow_nan=False))

@@ -32,10 +32,10 @@ def visits(settings: Settings, rounds: int) -> np.ndarray:
 @pytest.mark.parametrize(
     ("settings", "rounds"),
     [
-        (Settings(WALK, (0.5, 1.0, 3.0), swaps=True), 20_000),
-        (Settings(WALK, (0.5, 1.0, 3.0)), 20_000),
-        (Settings(WALK, (1.0,), tries=3), 40_000),
-        (Settings(WALK, (0.5, 2.0), swaps=True, tries=2), 30_000),
+        (Settings(WALK, (0.5, 1.0, 3.0), swaps=True), 10_000),
+        (Settings(WALK, (0.5, 1.0, 3.0)), 10_000),
+        (Settings(WALK, (1.0,), tries=3), 20_000),
+        (Settings(WALK, (0.5, 2.0), swaps=True, tries=2), 15_000),
     ],
     ids=["swaps", "independent", "tries", "both"],
 )
