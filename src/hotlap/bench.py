@@ -24,6 +24,7 @@ RACE = "circle-34"
 SPREAD = 0.5  # of the logarithm of each parameter around the default: what a tuner meets
 LANE_FLIGHTS, SCALAR_FLIGHTS, RANDOM_FLIGHTS = 256, 24, 1000
 REPEATS = 5
+STAGES = 6  # that `measure` tells of
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def measure(report: Callable[[str], None]) -> Bench:
     """Measure for some seconds; the first time on a machine, compile for a minute.
 
     Args:
-        report: told what is being done.
+        report: told what is being done, as each of `STAGES` begins.
     """
     course, lanes, threads = prepare(RACE), best_numbers(), os.cpu_count() or 1
     rng = np.random.default_rng(0)
@@ -91,6 +92,7 @@ def measure(report: Callable[[str], None]) -> Bench:
     scalar = _core_rate(course, scattered[:SCALAR_FLIGHTS], Numbers.FLOAT64)
     report(f"measuring {lanes}")
     rate = _core_rate(course, scattered, lanes)
+    report(f"measuring whole flights on 1 and {threads} threads")
     single, together = (_flight_rate(course, scattered, lanes, count) for count in (1, threads))
     report("measuring how many lanes do useful work")
     low, high = course.space.low, course.space.high

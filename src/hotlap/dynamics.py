@@ -146,6 +146,7 @@ def drag_node_map() -> ca.Function:
     speeds = 2 * ca.sqrt(vehicle["mass"] * ca.fmax(u[0], LEAST_THRUST))  # 4 sqrt(m T / 4)
 
     def push(state: Expression) -> Expression:
+        """The state after half of the drag."""
         rotation = rotation_matrix(state[3:7])
         air = rotation.T @ state[7:]
         middle = air - h / 4 * _drag(air, speeds, vehicle)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hotlap.cli.output import finite, percent, table, working
-from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe, follow_pieces, pace
+from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe, follow_pieces, follow_stages, pace
 from hotlap.tuning import Candidate
 from hotlap.validation import Validation
 
@@ -89,6 +89,21 @@ def test_a_terminal_gets_a_bar_with_rate_and_time_left(monkeypatch, capsys):
     assert "3/4" in shown
     assert "/s" in shown or "/min" in shown
     assert "flip-16" in shown
+
+
+def test_a_stage_counts_when_the_next_one_begins(monkeypatch, capsys):
+    with follow_stages(2) as say:
+        say("compiling")
+    assert capsys.readouterr().err == "compiling\n"
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "120")
+    with follow_stages(2) as say:
+        say("compiling")
+        say("measuring [x]")
+    shown = capsys.readouterr().err
+    assert "1/2" in shown
+    assert "2/2" not in shown
+    assert "measuring [x]" in shown
 
 
 def test_what_has_no_end_in_sight_gets_a_clock(monkeypatch, capsys):

@@ -109,7 +109,7 @@ class Bench:
 
 def test_bench_measures_and_prints(hotlap, monkeypatch):
     module = ModuleType("hotlap.bench")
-    vars(module)["measure"] = lambda report: report("measuring ...") or Bench()
+    vars(module).update(STAGES=1, measure=lambda report: report("measuring ...") or Bench())
     monkeypatch.setitem(sys.modules, "hotlap.bench", module)
     monkeypatch.delitem(sys.modules, "hotlap.cli.bench", raising=False)
     ran = hotlap("bench")

@@ -47,6 +47,7 @@ def _later(seconds: float) -> Callable[[Floats], Floats]:
     """A truth with more dead time."""
 
     def change(truth: Floats) -> Floats:
+        """The truth of that."""
         changed = truth.copy()
         changed[TRUTH.index("delay")] += seconds
         return changed

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from hotlap.bench import measure
-from hotlap.cli.output import note, present
+from hotlap.bench import STAGES, measure
+from hotlap.cli.output import present
+from hotlap.cli.progress import follow_stages
 
 
 def run(options: Namespace) -> int:
     """Measure, and say what was measured."""
-    bench = measure(note)
+    with follow_stages(STAGES) as say:
+        bench = measure(say)
     present(as_json=options.json, document=bench.dump(), lines=bench.lines())
     return 0

@@ -100,6 +100,7 @@ def one_of(kind: str, names: Sequence[str]) -> Callable[[str], str]:
     """One of some names."""
 
     def chosen(text: str) -> str:
+        """The name, or what would have been right."""
         if text not in names:
             raise argparse.ArgumentTypeError(UnknownNameError(kind, text, names).reason)
         return text

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import count
 from typing import TYPE_CHECKING
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
@@ -45,6 +46,7 @@ def follow(budget: int, flown: int) -> Iterator[Watch]:
         rate = Rate(flown)
 
         def watch(batch: Batch) -> None:
+            """Move the bar, and say above it what did not hold."""
             progress.update(task, completed=batch.flights, state=f"{describe(batch.best)}, {rate(batch.flights)}")
             for validation in batch.fallen:
                 progress.console.print(fell(validation), markup=False, highlight=False)
@@ -73,6 +75,26 @@ def follow_pieces(unit: str, wanted: int, done: int) -> Iterator[Callable[[str],
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(unit, total=wanted, completed=done, state="")
         yield lambda words: progress.update(task, advance=1, state=words)
+
+
+@contextmanager
+def follow_stages(wanted: int) -> Iterator[Callable[[str], None]]:
+    """Show which stage of some work is under way: the bar counts those behind it.
+
+    Args:
+        wanted: how many in all.
+
+    Yields:
+        What to call with a few words when a stage begins.
+    """
+    console = Plain(stderr=True)
+    if not console.is_terminal:
+        yield note
+        return
+    state = TextColumn("{task.fields[state]}", markup=False)
+    with Progress(BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn(), console=console, transient=True) as progress:
+        task, behind = progress.add_task("stages", total=wanted, state=""), count()
+        yield lambda words: progress.update(task, completed=next(behind), state=words)
 
 
 @contextmanager

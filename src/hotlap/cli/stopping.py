@@ -38,6 +38,7 @@ def stopped_by_signals() -> Iterator[None]:
         return
 
     def stop(number: int, _: FrameType | None) -> NoReturn:
+        """The first signal stops the work in good order, a second one at once."""
         received.append(number)
         _restore(dict.fromkeys(SIGNALS, signal.SIG_DFL))
         raise Stopped(number)

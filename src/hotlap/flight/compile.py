@@ -33,10 +33,13 @@ def compiled(build: Callable[[], Program]) -> Callable[..., None]:
     program = cache(build)
 
     def function(*arrays: np.ndarray) -> None:
+        """Outside of compiled code: instruction by instruction."""
         run(program(), arrays)
 
     @intrinsic
     def emit(typing: Any, arrays: Any) -> Any:
+        """Inside of it: the instructions, in place of the call."""
+
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             kinds = signature.args[0].types
             values = cgutils.unpack_tuple(builder, arguments[0], len(kinds))
@@ -48,6 +51,7 @@ def compiled(build: Callable[[], Program]) -> Callable[..., None]:
 
     @implement(function)
     def typed(*arrays: Any) -> Any:
+        """For any number of arrays."""
         return lambda *arrays: emit(arrays)
 
     return function
