@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pytest
@@ -50,6 +52,23 @@ def test_flights_are_counted():
     objective.fly(parameters, np.arange(3))
     objective.fly_recorded(parameters[:2], np.arange(2))
     assert objective.flights == 5
+
+
+def near(flights, scores, weight=1.0):  # noqa: ARG001
+    return weight * flights.max_error
+
+
+class Nearest:
+    def __call__(self, flights, scores):
+        return near(flights, scores)
+
+
+def test_a_cost_of_ones_own_has_a_name_and_a_digest_of_its_source():
+    named = [Objective(make_course(), FakeWorld(), cost=cost).own_cost for cost in (near, partial(near, weight=2.0), Nearest())]
+    assert re.fullmatch(r"\S*test_objective\.near [0-9a-f]{8}", named[0])
+    assert named[1] == named[0]
+    assert re.fullmatch(r"\S*test_objective\.Nearest [0-9a-f]{8}", named[2])
+    assert Objective(make_course(), FakeWorld()).own_cost == ""
 
 
 def test_a_cost_of_ones_own_takes_the_place_of_both_costs_and_of_nothing_else():

@@ -241,6 +241,34 @@ def test_a_study_from_before_a_key_came_is_the_same_study():
     assert compared(plain) == compared(configure("guided_walk").dump())
 
 
+def far(flights, scores):  # noqa: ARG001
+    return flights.max_error
+
+
+def test_a_study_remembers_a_cost_of_ones_own(tmp_path):
+    base = long(budget=20)
+    own = Objective(base.course, FakeWorld(), cost=far)
+    asked = replace(base, cost=own.own_cost)
+    with Study.open(tmp_path, asked) as study:
+        carry_out(study, own)
+        ledger = study.flights()
+        np.testing.assert_array_equal(ledger.cost, ledger.max_error)
+    with Study.read(tmp_path) as study:
+        assert study.configuration.cost == own.own_cost
+        assert study.configuration.fingerprint == asked.fingerprint != base.fingerprint
+    with pytest.raises(StudyError, match=r"cost: this study has .*far [0-9a-f]{8}.*, asked for is null; another study needs"):
+        Study.open(tmp_path, base)
+
+
+@pytest.mark.parametrize("change", [{"metric": Metric.MEAN_ERROR}, {"cost": far}, {"randomise": 0.1}, {"world": FakeWorld(name="another")}])
+def test_a_study_is_not_flown_by_what_it_was_not_recorded_for(tmp_path, change):
+    configuration = configure()
+    with Study.open(tmp_path, configuration) as study:
+        with pytest.raises(StudyError, match=f"{next(iter(change))}: this study has "):
+            carry_out(study, replace(Objective(configuration.course, FakeWorld()), **change))
+        assert len(study.flights()) == 0
+
+
 def test_fingerprints_tell_studies_apart_and_budgets_not():
     prints = {case: other.fingerprint for case, (_, other) in differing().items()}
     assert prints.pop("budget") == configure().fingerprint

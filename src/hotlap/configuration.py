@@ -40,6 +40,7 @@ class Configuration:
         tuner: name with preset.
         settings: goal, budget, seed and the like.
         first_guess: shape (S, K).
+        cost: of one's own, as `Objective.own_cost` names it; "" where the metric's counts.
     """
 
     course: Course
@@ -48,6 +49,7 @@ class Configuration:
     tuner: str
     settings: TuningSettings
     first_guess: Parameters
+    cost: str = ""
 
     @property
     def fingerprint(self) -> str:
@@ -68,6 +70,7 @@ class Configuration:
             **{field.name: getattr(self.settings, field.name) for field in fields(TuningSettings) if field.name != "goal"},
             "goal": str(self.settings.goal),
             "first_guess": self.first_guess.tolist(),
+            **({"cost": self.cost} if self.cost else {}),  # only there, so that the fingerprints of older studies stay
         }
 
 
@@ -81,6 +84,7 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
         tuner=plain["tuner"]["name"],
         settings=TuningSettings(goal=parse_goal(plain["goal"]), **numbers),
         first_guess=np.array(plain["first_guess"]),
+        cost=plain.get("cost", ""),
     )
 
 

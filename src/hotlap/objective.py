@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
+import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +30,7 @@ class Objective:
         metric: what the cost measures.
         randomise: how far each flight's vehicle may differ from the race's, as a share; see `truth.draw_truths`.
         cost: of your own, in place of the metric's: (flights, scores by the metric) -> shape (B,), not negative, less is better.
+            A study of it is configured with `cost=objective.own_cost`.
         flights: how many have been flown through it.
     """
 
@@ -35,6 +40,14 @@ class Objective:
     randomise: float = 0.0
     cost: Callable[[Flights, Scores], NDArray[np.float64]] | None = None
     flights: int = field(default=0, init=False)
+
+    @property
+    def own_cost(self) -> str:
+        """A name for `cost` by which a study knows it again, with a digest of its source; "" where the metric's counts.
+
+        What a function holds besides (a closure, the functions that it calls) is not part of it.
+        """
+        return "" if self.cost is None else _name(self.cost)
 
     def fly(self, parameters: Parameters, seeds: NDArray[np.int64]) -> Scores:
         """What each flight was worth.
@@ -63,3 +76,16 @@ class Objective:
         if own.shape != (len(flights),):
             raise ValueError(f"cost must have shape ({len(flights)},), one number a flight, not {own.shape}")
         return flights, scores.worth(own)
+
+
+def _name(cost: Callable[..., Any]) -> str:
+    """Where a function or a class of callables is found, and eight hexadecimal digits of its source, if there is any."""
+    while isinstance(cost, partial):
+        cost = cost.func
+    named: Any = cost if inspect.isroutine(cost) else type(cost)
+    name = f"{named.__module__}.{named.__qualname__}"
+    try:
+        source = inspect.getsource(named)
+    except (OSError, TypeError):  # typed in at a prompt, or compiled
+        return name
+    return f"{name} {hashlib.sha256(source.encode()).hexdigest()[:8]}"

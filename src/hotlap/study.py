@@ -270,15 +270,32 @@ def carry_out(study: Study, objective: Objective, watch: Callable[[Batch], None]
 
     Args:
         study: open to work on.
-        objective: what flies; its course and metric are the study's.
+        objective: what flies what the study is a study of.
         watch: called after each batch, for progress.
+
+    Raises:
+        StudyError: the objective's world, metric, cost or randomisation is not the study's.
     """
+    _check(study, objective)
     for batch in tune(objective, study.tuning):
         study.record(batch)
         watch(batch)
     result = study.result
     assert result is not None, "a run that has ended has flown"  # noqa: S101  our own mistake
     return result
+
+
+def _check(study: Study, objective: Objective) -> None:
+    """Whether an objective flies what is recorded; courses are too large to be compared before every sitting."""
+    asked = study.configuration
+    for key, mine, theirs in (
+        ("world", asked.world, objective.world.name),
+        ("metric", asked.metric, objective.metric),
+        ("cost", asked.cost, objective.own_cost),
+        ("randomise", asked.settings.randomise, objective.randomise),
+    ):
+        if mine != theirs:
+            raise StudyError(str(study.folder), key, f"this study has {_show(mine)}, what it is to be flown with has {_show(theirs)}")
 
 
 def new_folder(race: str, parent: Path = RUNS) -> Path:
