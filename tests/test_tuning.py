@@ -282,7 +282,7 @@ def test_a_run_that_has_ended_flies_no_more_after_a_restore():
 
 
 def test_runs_in_lockstep_go_as_they_would_alone_and_share_their_batches():
-    names = [*tuners.names(), *(name for name in tuners.names() if name.endswith(("tied", "default")))]
+    names = [*tuners.names(), *tuners.names()]
     together = [Tuning(tuners.build(name), COURSE, TuningSettings(seed=seed, budget=40, validation=0)) for seed, name in enumerate(names)]
     world = FakeWorld()
     batches: list[list[Batch]] = [[] for _ in names]

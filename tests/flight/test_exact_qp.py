@@ -36,7 +36,7 @@ def errors(found, sweeps: int) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def found():
-    return gather(("circle-34",), wanted=100, every=20)
+    return gather(("circle-34",), wanted=150, every=20)
 
 
 def test_two_sweeps_come_near_and_three_reach_it(found):
