@@ -260,6 +260,12 @@ def test_a_study_remembers_a_cost_of_ones_own(tmp_path):
         Study.open(tmp_path, base)
 
 
+def test_costs_are_called_by_their_unit_or_by_the_name_of_ones_own():
+    base = configure()
+    assert [replace(base, metric=metric).cost_name for metric in Metric] == ["cost [s]", "cost [m]"]
+    assert replace(base, cost=Objective(base.course, FakeWorld(), cost=far).own_cost).cost_name == "cost, far"
+
+
 @pytest.mark.parametrize("change", [{"metric": Metric.MEAN_ERROR}, {"cost": far}, {"randomise": 0.1}, {"world": FakeWorld(name="another")}])
 def test_a_study_is_not_flown_by_what_it_was_not_recorded_for(tmp_path, change):
     configuration = configure()

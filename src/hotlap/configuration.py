@@ -52,6 +52,13 @@ class Configuration:
     cost: str = ""
 
     @property
+    def cost_name(self) -> str:
+        """What the cost is called on an axis: with its unit where it is the metric's, else the name of the function."""
+        if self.cost:
+            return f"cost, {self.cost.partition(' ')[0].rpartition('.')[2]}"
+        return "cost [s]" if self.metric is Metric.TIME else "cost [m]"
+
+    @property
     def fingerprint(self) -> str:
         """Sixteen hexadecimal digits that change whenever something changes that a study must not mix."""
         text = json.dumps(sorted(compared(self.dump()).items()))

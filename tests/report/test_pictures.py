@@ -267,7 +267,7 @@ def test_marks_that_do_not_occur_are_not_explained(tmp_path):
         course, "plausible", Metric.TIME, "metropolis_hastings:tied", TuningSettings(), course.space.first_guess(2)
     )
     with Study.open(tmp_path, configuration) as study:
-        figure = figures.convergence(recount(study.flights(), parse_goal("none")), "straight")
+        figure = figures.convergence(recount(study.flights(), parse_goal("none"), "cost [s]"), "straight")
     assert "rejected" not in texts(figure)
 
 

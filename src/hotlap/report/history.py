@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from hotlap.goal import Goal, Quantity
 from hotlap.ledger import Ledger
 from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.scoring import Metric
 from hotlap.seeds import Stream
 from hotlap.segmentation import Segments
 
@@ -102,8 +101,14 @@ class Change:
     segments: Segments
 
 
-def recount(ledger: Ledger, goal: Goal) -> History:
-    """The history of a ledger; its validation is left out."""
+def recount(ledger: Ledger, goal: Goal, cost_name: str) -> History:
+    """The history of a ledger; its validation is left out.
+
+    Args:
+        ledger: what was flown.
+        goal: what tells a failure.
+        cost_name: what the cost measures, with its unit.
+    """
     rows = np.flatnonzero(ledger.streams != int(Stream.VALIDATION))
     return History(
         numbers=ledger.numbers[rows] + 1,
@@ -112,7 +117,7 @@ def recount(ledger: Ledger, goal: Goal) -> History:
         searching=ledger.streams[rows] == int(Stream.SEARCH),
         accepted=ledger.accepted[rows],
         failed=~succeeded(ledger, goal)[rows],
-        cost_name="cost [s]" if goal.metric is Metric.TIME else "cost [m]",
+        cost_name=cost_name,
     )
 
 

@@ -86,7 +86,7 @@ def _fly(standing: Standing, world: World, flights: int) -> Scene:
 def _plain(standing: Standing, scene: Scene) -> dict[str, Figure]:
     """The four of every study."""
     asked = standing.configuration
-    history = recount(standing.ledger, asked.settings.goal)
+    history = recount(standing.ledger, asked.settings.goal, asked.cost_name)
     return {
         "track": track(scene),
         "convergence": convergence(history, f"{scene.race}: {asked.tuner}", _verdict(standing)),

@@ -14,7 +14,6 @@ from hotlap.report.page.encoding import number, pack
 from hotlap.report.page.flown import describe_course, describe_repeats, describe_trace
 from hotlap.report.page.shown import Shown
 from hotlap.report.page.standing import Standing, begins_at_default
-from hotlap.scoring import Metric
 from hotlap.seeds import Stream
 from hotlap.validation import Validation
 
@@ -116,7 +115,7 @@ def _flights(standing: Standing) -> dict[str, Any]:
         "accepted": ledger.accepted.astype(int).tolist(),
         "succeeded": succeeded(ledger, settings.goal).astype(int).tolist(),
         "failed_segment": ledger.failed_segment.tolist(),
-        "cost_name": "cost [s]" if standing.configuration.metric is Metric.TIME else "cost [m]",
+        "cost_name": standing.configuration.cost_name,
     }
 
 
