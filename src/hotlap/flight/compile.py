@@ -41,6 +41,7 @@ def compiled(build: Callable[[], Program]) -> Callable[..., None]:
         """Inside of it: the instructions, in place of the call."""
 
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            """Write the instructions, with the arrays' first elements as where they read and write."""
             kinds = signature.args[0].types
             values = cgutils.unpack_tuple(builder, arguments[0], len(kinds))
             pointers = [make_array(kind)(context, builder, value).data for kind, value in zip(kinds, values, strict=True)]
@@ -69,6 +70,7 @@ def _emit(builder: Any, program: Program, pointers: list, kind: Any, llvm_type: 
     values: dict[int, Any] = {}
 
     def constant(value: float) -> Any:
+        """A number, once or in every lane."""
         scalar = ir.Constant(llvm_type.element if lanes else llvm_type, value)
         return ir.Constant(llvm_type, [scalar] * kind.width) if lanes else scalar
 

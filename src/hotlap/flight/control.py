@@ -91,6 +91,7 @@ def controls(predict: Any, solve: Any) -> tuple[Any, Any]:
 
     @njit(**INLINE)
     def begin_plan(s: Settings, m: Mpc, p: Pilot) -> None:
+        """Move the last plan on, and begin it at the state predicted."""
         move_plan(m, p)
         predict(s, m.constants, p)
         for i in range(10):
@@ -98,6 +99,7 @@ def controls(predict: Any, solve: Any) -> tuple[Any, Any]:
 
     @njit(**INLINE)
     def control(s: Settings, m: Mpc, p: Pilot) -> None:
+        """The whole step."""
         begin_plan(s, m, p)
         solve(m, s.sweeps, s.stop_early)
         issue(p, m.U[0])

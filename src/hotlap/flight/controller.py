@@ -101,10 +101,12 @@ def _steps(kind: ControllerKind) -> tuple[Any, Any]:
     begin, aim, control = DOORS[kind].begin, DOORS[kind].aim, DOORS[kind].control
 
     def begin_one(job: Job, s: Settings, memory: Any, pilot: Pilot) -> None:
+        """Forget the flight before."""
         begin(job, s, memory, 0)
         begin_pilot(s, pilot, 0)
 
     def step_one(job: Job, s: Settings, memory: Any, pilot: Pilot, piece: int, time: float, elapsed: float) -> int:
+        """Aim and control once; returns the piece of the reference that it is now."""
         now = aim(job, s, memory, pilot, 0, 0, piece, time, elapsed)
         control(s, as_numbers(memory, 0), as_numbers(pilot, 0))
         return now

@@ -97,9 +97,11 @@ def new_verdicts(flights: int, gates: int) -> Verdicts:
     """Of flights that have not begun."""
 
     def rows(*shape: int, value: float = math.nan) -> NDArray[np.float64]:
+        """Real numbers of each flight."""
         return np.full((flights, *shape), value)
 
     def counts(value: int = 0) -> NDArray[np.int64]:
+        """A whole number of each flight."""
         return np.full(flights, value, dtype=np.int64)
 
     return Verdicts(
