@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import wraps
+from functools import lru_cache, wraps
 from typing import Any, ParamSpec
 
 import matplotlib as mpl
@@ -90,6 +90,7 @@ def place_axes(figure: Figure, left: float, bottom: float, width: float, height:
     return figure.add_axes((left / full_width, bottom / full_height, width / full_width, height / full_height), **options)
 
 
+@lru_cache(maxsize=1000)
 def text_width(text: str, size: float) -> float:
     """[inches] of a line of text in some size [points]."""
     return float(TextPath((0, 0), text, size=size).get_extents().width) / 72 if text.strip() else 0.0
