@@ -102,7 +102,7 @@ def walk(wanted: Line) -> Iterator[list[float]]:
 def initialisations(context: Context) -> Page:
     """Twenty random starts, the lines between what they found, and long chains."""
     races = ("circle-34",) if context.quick else ("qualifier-20", "airsim-flip-16")
-    count, budget, long = (2, 60, 100) if context.quick else (20, 1000, 5000)
+    count, budget, long = (2, 30, 50) if context.quick else (20, 1000, 5000)
     wanted = [Starts(race, tuner, count, budget) for race in races for tuner in TUNERS]
     wanted += [Starts(race, CHAIN, 2 if context.quick else 4, long, keep=True) for race in races]
     named = {one.label: one for one in wanted}
