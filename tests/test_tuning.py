@@ -265,13 +265,14 @@ def test_same_seed_same_run_and_another_seed_another(name):
 def test_stopped_after_any_batch_and_resumed_equals_never_stopped(name):
     settings = TuningSettings(seed=1, budget=30, batch=3, validation=20, reliability=0.999)
     whole = list(tune(Objective(COURSE, FakeWorld()), Tuning(tuners.build(name), COURSE, settings)))
-    for stop in range(1, len(whole), 5):  # each goes on until the next begins
-        state = json.loads(json.dumps(whole[stop - 1].state, allow_nan=False))
-        resumed = Tuning(tuners.build(name), COURSE, settings, state=state)
-        rest, same = list(islice(tune(Objective(COURSE, FakeWorld()), resumed), 5)), whole[stop : stop + 5]
-        assert_same(ledger_of(rest), ledger_of(same))
-        assert rest[-1].state == same[-1].state
-        assert (rest[-1].flights, rest[-1].search_flights) == (same[-1].flights, same[-1].search_flights)
+    for batches in (1, len(whole) // 2 + 1):  # stopped after each batch, and once
+        resumed, flown = Tuning(tuners.build(name), COURSE, settings), []
+        while not resumed.done:
+            flown += islice(tune(Objective(COURSE, FakeWorld()), resumed), batches)
+            resumed = Tuning(tuners.build(name), COURSE, settings, state=json.loads(json.dumps(flown[-1].state, allow_nan=False)))
+        assert_same(ledger_of(flown), ledger_of(whole))
+        assert [batch.state for batch in flown] == [batch.state for batch in whole]
+        assert [(one.flights, one.search_flights) for one in flown] == [(one.flights, one.search_flights) for one in whole]
 
 
 def test_a_run_that_has_ended_flies_no_more_after_a_restore():
