@@ -11,15 +11,15 @@ import sys
 from pathlib import Path
 
 from hotlap.cli import main as hotlap
-from hotlap.files import load_race, save
-from hotlap.layouts import random_track
+from hotlap.files.descriptions import load_race, save
+from hotlap.race.random_tracks import random_track
 
 TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
 AIRSIM = tuple(f"airsim-{name}" for name in TABLE_I)
 BUDGETS = "200,cma_es=1000,particle_swarm=1000"  # those of the paper
 
 QUICK = (
-    "gatewise", "guided_walk", "metropolis_hastings:tied", "metropolis_hastings:paper", "metropolis_hastings:released",
+    "gate_gp", "guided_walk", "metropolis_hastings:tied", "metropolis_hastings:paper", "metropolis_hastings:released",
     "random_search:paper", "random_search:uniform", "random_search:log_uniform", "cma_es:log", "cma_es:raw", "cma_es:tied",
     "cma_es:bipop", "cma_es:warm", "particle_swarm:paper", "particle_swarm:log", "simulated_annealing:tied", "simulated_annealing:paper",
     "tempered:swapping", "tempered:independent", "tempered:multiple_try", "weighted_likelihood:tied", "weighted_likelihood:segments",
@@ -30,8 +30,8 @@ SLOW = (
     "gradient_boosting:surrogate", "safe_bayesian:plane", "bayesian:matern", "bayesian:locally_periodic", "bayesian:rational_quadratic",
     "bayesian:squared_exponential", "bayesian:periodic", "bayesian:log",
 )  # fmt: skip
-ABLATION = tuple(f"gatewise:{preset}" for preset in ("default", "whole", "hasty", "tied", "steady", "homely"))
-RIVALS = ("gatewise", "guided_walk", "cma_es:log", "cma_es:tied", "trust_region:default", "trust_region:tied", "trust_region:dense",
+ABLATION = tuple(f"gate_gp:{preset}" for preset in ("default", "whole", "one_generation", "tied", "no_restarts", "no_exploration"))
+RIVALS = ("gate_gp", "guided_walk", "cma_es:log", "cma_es:tied", "trust_region:default", "trust_region:tied", "trust_region:dense",
           "metropolis_hastings:paper", "metropolis_hastings:tied")  # fmt: skip
 RANDOM = {"default": ("circle-34", 22.0), "airsim": ("airsim-circle-34", 18.0)}  # suite: race to take the rest from, v_max
 UNSEEN = range(100, 110)  # seeds of random tracks on which nothing was developed, in each suite
@@ -63,7 +63,7 @@ def write_harder(folder: Path) -> list[str]:
         for base in TABLE_I:
             race = load_race(base)
             name = f"{base}-{label.replace(' ', '').replace('.', '-')}"
-            model = race.believed.model_copy(update={"delay": 0.03} if label == "A" else {})
+            model = race.control_model.model_copy(update={"delay": 0.03} if label == "A" else {})
             path = folder / f"{name}.toml"
             save(path, race.model_copy(update={"name": name, "vehicle": race.vehicle.model_copy(update=changes), "model": model}))
             paths.append(str(path))
@@ -82,16 +82,16 @@ def main() -> int:
     hard = (*AIRSIM[1:6], "airsim-spiral20-53", "airsim-final-21", "airsim-final-22")
     parts = {
         "main": lambda: [*TABLE_I, *AIRSIM, "--tuners", ",".join(tuners), "--seeds", "20", "--budget", BUDGETS],
-        "fifty": lambda: [*TABLE_I, "--tuners", "gatewise", "--seeds", "50", "--budget", "250"],
-        "airsim": lambda: [*hard, "--tuners", "gatewise,guided_walk,cma_es:log,trust_region:tied", "--seeds", "20", "--budget", "300"],
+        "fifty": lambda: [*TABLE_I, "--tuners", "gate_gp", "--seeds", "50", "--budget", "250"],
+        "airsim": lambda: [*hard, "--tuners", "gate_gp,guided_walk,cma_es:log,trust_region:tied", "--seeds", "20", "--budget", "300"],
         "ablation": lambda: [*TABLE_I, *AIRSIM[:6], "--tuners", ",".join(ABLATION), "--seeds", "10"],
         "random": lambda: [*write_random(out), "--tuners", ",".join(RIVALS), "--seeds", "10"],
-        "guess": lambda: [*TABLE_I, *hard, "--tuners", "gatewise", "--seeds", "20", "--budget", "300", "--first-guess", "learned"],
-        "harder": lambda: [*write_harder(out), "--tuners", "gatewise,guided_walk,metropolis_hastings:tied,cma_es:tied", "--seeds", "10"],
+        "guess": lambda: [*TABLE_I, *hard, "--tuners", "gate_gp", "--seeds", "20", "--budget", "300", "--first-guess", "learned"],
+        "harder": lambda: [*write_harder(out), "--tuners", "gate_gp,guided_walk,metropolis_hastings:tied,cma_es:tied", "--seeds", "10"],
     }
     if arguments.part != "confirm":
         return hotlap(["compare", *parts[arguments.part](), "--out", str(out), *rest])
-    asked = [*TABLE_I, *AIRSIM[1:6], "--tuners", "gatewise", "--seeds", "20", "--budget", "500", "--validation", "200"]
+    asked = [*TABLE_I, *AIRSIM[1:6], "--tuners", "gate_gp", "--seeds", "20", "--budget", "500", "--validation", "200"]
     counts = (4, 10, 20, 40)
     return max(hotlap(["compare", *asked, "--confirm", str(count), "--out", str(out / str(count)), *rest]) for count in counts)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from hotlap.bench import RACE, machine_name
-from hotlap.course import Course
-from hotlap.preparation import prepare
+from hotlap.analysis.speed import RACE, machine_name
+from hotlap.planning.preparation import prepare
+from hotlap.reference.scenario import Scenario
 
 
 def pytest_benchmark_update_machine_info(machine_info):
@@ -22,5 +22,5 @@ def pytest_terminal_summary(terminalreporter, config):
 
 
 @pytest.fixture(scope="session")
-def course() -> Course:
+def scenario() -> Scenario:
     return prepare(RACE)

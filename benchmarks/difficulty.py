@@ -11,29 +11,29 @@ import time
 
 import numpy as np
 
-from hotlap.course import Course
-from hotlap.files import Kind, names
-from hotlap.preparation import prepare
-from hotlap.records import Scores
-from hotlap.scoring import score
-from hotlap.seeds import Stream, flight_seeds
+from hotlap.core.records import Scores
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.files.descriptions import Kind, names
+from hotlap.planning.preparation import prepare
+from hotlap.reference.scenario import Scenario
+from hotlap.tuning.scoring import score
 from hotlap.worlds.built_in import BuiltIn
 
 
-def fly(world: BuiltIn, course: Course, sets: np.ndarray, seed: int) -> Scores:
+def fly(world: BuiltIn, scenario: Scenario, sets: np.ndarray, seed: int) -> Scores:
     """Fly parameter sets of shape (B, K), each in all segments."""
-    parameters = np.repeat(sets[:, None], len(course.segments), axis=1)
+    parameters = np.repeat(sets[:, None], len(scenario.segments), axis=1)
     seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, len(sets))
-    return score(world.fly(course, parameters, seeds), course.race.judge)
+    return score(world.fly(scenario, parameters, seeds), scenario.race.judge)
 
 
 def describe(world: BuiltIn, race: str, flights: int, random: int) -> str:
     """A row of the table."""
-    course = prepare(race)
-    space, rng = course.space, np.random.default_rng(0)
-    default = fly(world, course, np.tile(space.default, (flights, 1)), 0)
-    uniform = fly(world, course, rng.uniform(space.low, space.high, (random, space.size)), 1)
-    logarithmic = fly(world, course, space.from_unit(rng.random((random, space.size))), 2)
+    scenario = prepare(race)
+    space, rng = scenario.space, np.random.default_rng(0)
+    default = fly(world, scenario, np.tile(space.default, (flights, 1)), 0)
+    uniform = fly(world, scenario, rng.uniform(space.low, space.high, (random, space.size)), 1)
+    logarithmic = fly(world, scenario, space.from_unit(rng.random((random, space.size))), 2)
     shares = [100 * scores.complete.mean() for scores in (default, uniform, logarithmic)]
     completion = 100 * default.completion.mean()
     return f"| {race} | {completion:.0f} | {shares[0]:.0f} | {shares[1]:.2f} | {shares[2]:.1f} |"

@@ -19,20 +19,20 @@ import numpy as np
 
 from hotlap import tuners
 from hotlap.analysis.learning import Lesson, lessons, race_of
-from hotlap.analysis.lines_file import LinesFile
-from hotlap.course import Course
-from hotlap.errors import PlanningError
-from hotlap.executor import spread
+from hotlap.core.errors import PlanningError
+from hotlap.core.parameters import Parameters
+from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.first_guess.features import OF_A_PIECE, PAPER
 from hotlap.first_guess.guess import Method, guess_by, voted
 from hotlap.first_guess.regression import Regression
 from hotlap.first_guess.training_set import shipped
-from hotlap.layouts import random_track
-from hotlap.objective import Objective
-from hotlap.parameters import Parameters
-from hotlap.preparation import prepare
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.planning.preparation import prepare
+from hotlap.race.random_tracks import random_track
+from hotlap.reference.scenario import Scenario
+from hotlap.system.journal import LinesFile
+from hotlap.system.process_pool import spread
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 
 VEHICLES = {"default suite": "hummingbird, late", "airsim": "airsim"}
@@ -54,13 +54,13 @@ METHODS: Mapping[str, Method | None] = {
 }
 
 
-def search(course: Course, guesses: Mapping[str, Parameters], asked: Sequence[str]) -> dict[str, dict[str, list[int | None]]]:
+def search(scenario: Scenario, guesses: Mapping[str, Parameters], asked: Sequence[str]) -> dict[str, dict[str, list[int | None]]]:
     """Search flights of each tuner from each guess, seed by seed; None where nothing was confirmed."""
     found: dict[str, dict[str, list[int | None]]] = {name: {} for name in guesses}
     for tuner in asked:
         settings = [TuningSettings(budget=BUDGET, seed=seed, confirm=4, reliability=0.0, validation=0) for seed in range(SEEDS)]
-        runs = [(name, Tuning(tuners.build(tuner), course, one, guess)) for name, guess in guesses.items() for one in settings]
-        for _ in tune_together(Objective(course, BuiltIn(threads=1)), [run for _, run in runs]):
+        runs = [(name, Tuning(tuners.build(tuner), scenario, one, guess)) for name, guess in guesses.items() for one in settings]
+        for _ in tune_together(Objective(scenario, BuiltIn(threads=1)), [run for _, run in runs]):
             pass
         for name in guesses:
             own = [run for other, run in runs if other == name]
@@ -68,40 +68,40 @@ def search(course: Course, guesses: Mapping[str, Parameters], asked: Sequence[st
     return found
 
 
-def complete(course: Course, guess: Parameters, flights: int) -> float:
+def complete(scenario: Scenario, guess: Parameters, flights: int) -> float:
     """Share of flights that pass every gate."""
     seeds = flight_seeds(0, Stream.DEMONSTRATION, 0, flights)
-    scores = Objective(course, BuiltIn(threads=1)).fly(np.repeat(guess[None], flights, axis=0), seeds)
+    scores = Objective(scenario, BuiltIn(threads=1)).fly(np.repeat(guess[None], flights, axis=0), seeds)
     return float((scores.completion == 1).mean())
 
 
 def judge(lesson: Lesson) -> Iterator[dict[str, Any]]:
     """All methods on a race of the training set, learning from the other tracks: error, share of complete flights, search flights."""
-    course = course_for(prepare(lesson.race), tuners.build(TUNERS[0]))
+    scenario = scenario_for(prepare(lesson.race), tuners.build(TUNERS[0]))
     known = next(race for race in shipped().races if race.track == lesson.race.track.name and race.vehicle == lesson.vehicle)
     training = shipped().without(known.track)
-    default = course.space.first_guess(len(course.segments))
-    guesses = {name: default if method is None else guess_by(method, course, training) for name, method in METHODS.items()}
-    found: dict[str, Any] = search(course, guesses, TUNERS)
+    default = scenario.space.first_guess(len(scenario.segments))
+    guesses = {name: default if method is None else guess_by(method, scenario, training) for name, method in METHODS.items()}
+    found: dict[str, Any] = search(scenario, guesses, TUNERS)
     for name, guess in guesses.items():
         error = None if known.tuned is None else float(np.sqrt(np.mean((np.log(guess) - np.log(known.tuned)) ** 2)))
-        found[name] |= {"error": error, "complete": complete(course, guess, FLIGHTS), "tuned": known.tuned is not None}
+        found[name] |= {"error": error, "complete": complete(scenario, guess, FLIGHTS), "tuned": known.tuned is not None}
     yield found
 
 
 def judge_unseen(lesson: Lesson) -> Iterator[dict[str, Any]]:
     """Guesses from the whole training set on another track."""
     try:
-        course = course_for(prepare(lesson.race), tuners.build(TUNERS[0]))
+        scenario = scenario_for(prepare(lesson.race), tuners.build(TUNERS[0]))
     except PlanningError:
         yield {}
         return
-    default = course.space.first_guess(len(course.segments))
+    default = scenario.space.first_guess(len(scenario.segments))
     methods = {name: METHODS[name] for name in UNSEEN_METHODS}
-    guesses = {name: default if method is None else guess_by(method, course, shipped()) for name, method in methods.items()}
-    found: dict[str, Any] = search(course, guesses, TUNERS[:1])
+    guesses = {name: default if method is None else guess_by(method, scenario, shipped()) for name, method in methods.items()}
+    found: dict[str, Any] = search(scenario, guesses, TUNERS[:1])
     for name, guess in guesses.items():
-        found[name]["complete"] = complete(course, guess, 200)
+        found[name]["complete"] = complete(scenario, guess, 200)
     yield found
 
 

@@ -19,13 +19,13 @@ import numpy as np
 from comparison import TABLE_I
 
 from hotlap import tuners
-from hotlap.analysis.lines_file import LinesFile
-from hotlap.executor import spread
+from hotlap.core.success_rate import FLIGHTS
 from hotlap.first_guess.guess import first_guess
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
-from hotlap.validation import FLIGHTS
+from hotlap.planning.preparation import prepare
+from hotlap.system.journal import LinesFile
+from hotlap.system.process_pool import spread
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 
 AIRSIM = ("airsim-circle-34", "airsim-drop-20", "airsim-flip-16", "airsim-spiral-53", "airsim-qualifier-20", "airsim-final-21")
@@ -60,8 +60,8 @@ class Case:
 
 def fly(case: Case) -> Iterator[list[dict[str, Any]]]:
     """The runs, each with the share of fresh flights that its result completes."""
-    course, world = prepare(case.race), BuiltIn(threads=1)
-    judged, guess = course_for(course, tuners.build(case.tuner)), first_guess(course, case.guess)
+    scenario, world = prepare(case.race), BuiltIn(threads=1)
+    judged, guess = scenario_for(scenario, tuners.build(case.tuner)), first_guess(scenario, case.guess)
     shared = {"budget": case.budget, "confirm": case.confirm, "reliability": case.reliability}
     settings = [TuningSettings(seed=seed, validation=FLIGHTS if case.reliability else 0, **shared) for seed in range(case.seeds)]
     runs = [Tuning(tuners.build(case.tuner), judged, one, guess) for one in settings]
@@ -69,7 +69,7 @@ def fly(case: Case) -> Iterator[list[dict[str, Any]]]:
         pass
     results = [run.best for run in runs if run.best is not None]
     parameters = np.repeat([result.parameters for result in results], FRESH, axis=0)
-    fresh = Objective(course, world).fly(parameters, FIRST_SEED + np.arange(len(parameters), dtype=np.int64))
+    fresh = Objective(scenario, world).fly(parameters, FIRST_SEED + np.arange(len(parameters), dtype=np.int64))
     shares = fresh.complete.reshape(len(runs), FRESH).mean(axis=1).tolist()
     yield [
         {

@@ -11,14 +11,14 @@ import time
 import numpy as np
 
 from hotlap import tuners
-from hotlap.controllers import ControllerKind
-from hotlap.files import load_race
-from hotlap.goal import Goal
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune
-from hotlap.validation import RELIABILITY
+from hotlap.core.success_rate import RELIABILITY
+from hotlap.files.descriptions import load_race
+from hotlap.planning.preparation import prepare
+from hotlap.race.controllers import ControllerKind
+from hotlap.race.race import Race
+from hotlap.tuning.goal import Goal
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 
 TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
@@ -27,9 +27,9 @@ TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifi
 def run(world: BuiltIn, race: Race, tuner: str, seed: int, budget: int, reliability: float) -> str:
     """A row of the table."""
     built, goal = tuners.build(tuner), Goal()
-    course = course_for(prepare(race), built)
-    objective, start = Objective(course, world), time.perf_counter()
-    tuning = Tuning(built, course, TuningSettings(goal=goal, budget=budget, seed=seed, reliability=reliability))
+    scenario = scenario_for(prepare(race), built)
+    objective, start = Objective(scenario, world), time.perf_counter()
+    tuning = Tuning(built, scenario, TuningSettings(goal=goal, budget=budget, seed=seed, reliability=reliability))
     for _ in tune(objective, tuning):
         pass
     best, validation = tuning.best, tuning.validation
@@ -54,7 +54,7 @@ def main() -> None:
     parser.add_argument("--tuner", default=tuners.DEFAULT)
     arguments = parser.parse_args()
     world = BuiltIn()
-    world.fly(course := prepare("circle-34"), course.space.first_guess(len(course.segments))[None], np.zeros(1, dtype=np.int64))
+    world.fly(scenario := prepare("circle-34"), scenario.space.first_guess(len(scenario.segments))[None], np.zeros(1, dtype=np.int64))
     print("| race | seed | search flights | flights | confirmed | validated % | validations | s |\n|---|---|---|---|---|---|---|---|")
     for race in (load_race(name).with_controller(arguments.controller) for name in arguments.races):
         for seed in range(arguments.seeds):

@@ -12,17 +12,17 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from hotlap import dynamics
-from hotlap.bench import RACE, machine_name
-from hotlap.course import Course
-from hotlap.flight import batch
+from hotlap.analysis.speed import RACE, machine_name
+from hotlap.dynamics import models
+from hotlap.flight import fly
 from hotlap.flight.compile import translate
 from hotlap.flight.lanes import as_numbers
 from hotlap.flight.mpc import retract_stage
 from hotlap.flight.numbers import COMPILE, Numbers, aligned_zeros, best_numbers
 from hotlap.flight.riccati import backward_stage, forward_stage, terminal_stage
-from hotlap.preparation import prepare
-from hotlap.race import Race
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
+from hotlap.reference.scenario import Scenario
 
 ROUNDS, CHAINS, REPEATS = 20_000_000, 12, 5  # of the peak: iterations, independent chains
 GROUPS = 16  # flights a lane
@@ -31,34 +31,34 @@ GROUPS = 16  # flights a lane
 def operations(race: Race) -> list[tuple[str, int, int]]:
     """(part, operations, how often a control step runs it), all sweeps done."""
     nodes, sweeps = race.controller.nodes, race.controller.sweeps
-    steps, settings = round(race.controller.period / 0.0025), batch.settings_of(race)
+    steps, settings = round(race.controller.period / 0.0025), fly.settings_of(race)
     predictions = settings.predicted_periods + (settings.predicted_rest > 0)
     return [
-        ("linearise a node", translate(dynamics.linearised_node_map()).count(), nodes),
+        ("linearise a node", translate(models.linearised_node_map()).count(), nodes),
         ("last node", terminal_stage().count(), sweeps),
         ("backward stage", backward_stage().count(), nodes * sweeps),
         ("forward stage", forward_stage().count(), nodes * sweeps),
         ("move a node of the plan", retract_stage().count(), nodes + 1),
-        ("predict", translate(dynamics.node_map()).count(), predictions),
-        ("step of the plant", translate(dynamics.plant_step()).count(), steps),
+        ("predict", translate(models.node_map()).count(), predictions),
+        ("step of the plant", translate(models.plant_step()).count(), steps),
     ]
 
 
-def rate(course: Course, numbers: Numbers, *, stop_early: bool) -> float:
+def rate(scenario: Scenario, numbers: Numbers, *, stop_early: bool) -> float:
     """Control steps per second of one core; with `stop_early` sweeps that change nothing are left out, as they always are in flight."""
-    settings_of = batch.settings_of
+    settings_of = fly.settings_of
     flights = GROUPS * numbers.lanes
-    parameters = np.repeat(course.space.first_guess(len(course.segments))[None], flights, axis=0)
+    parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
     try:
-        batch.settings_of = lambda race: settings_of(race)._replace(stop_early=stop_early)
+        fly.settings_of = lambda race: settings_of(race)._replace(stop_early=stop_early)
         best = 0.0
         for _ in range(REPEATS + 1):  # the first may compile
             start = time.process_time()
-            _, effort = batch.fly_batch(course, parameters, np.arange(flights), numbers=numbers, threads=1)
+            _, effort = fly.fly_batch(scenario, parameters, np.arange(flights), numbers=numbers, threads=1)
             best = max(best, effort.lane_steps / (time.process_time() - start))
         return best
     finally:
-        batch.settings_of = settings_of
+        fly.settings_of = settings_of
 
 
 def spinner(width: int) -> Callable[[np.ndarray, int], None]:
@@ -94,8 +94,8 @@ def peak(numbers: Numbers) -> float:
 
 def main() -> None:
     """Print the tables."""
-    course = prepare(RACE)
-    parts = operations(course.race)
+    scenario = prepare(RACE)
+    parts = operations(scenario.race)
     total = sum(count * times for _, count, times in parts)
     print(f"{machine_name()}; {RACE}\n\n| part | operations | times | share |\n|---|---|---|---|")
     for name, count, times in parts:
@@ -103,8 +103,8 @@ def main() -> None:
     print(f"| **a control step** | **{total}** | | |\n")
     print("| kind of number | all sweeps, steps/s | useful GFLOP/s | peak GFLOP/s | share | steps/s in flight |\n|---|---|---|---|---|---|")
     for numbers in dict.fromkeys((Numbers.FLOAT64X4, Numbers.FLOAT32X8, best_numbers())):
-        steady, top = rate(course, numbers, stop_early=False), peak(numbers)
-        useful, flown = steady * total, rate(course, numbers, stop_early=True)
+        steady, top = rate(scenario, numbers, stop_early=False), peak(numbers)
+        useful, flown = steady * total, rate(scenario, numbers, stop_early=True)
         print(f"| {numbers} | {steady:,.0f} | {useful / 1e9:.1f} | {top / 1e9:.1f} | {100 * useful / top:.0f} % | {flown:,.0f} |")
 
 

@@ -19,14 +19,14 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from hotlap import dynamics
-from hotlap.bench import RACE, machine_name
-from hotlap.course import Course
-from hotlap.flight.batch import fly_batch
+from hotlap.analysis.speed import RACE, machine_name
+from hotlap.core.records import Log
+from hotlap.dynamics import models
 from hotlap.flight.controller import Controller
+from hotlap.flight.fly import fly_batch
 from hotlap.flight.numbers import Numbers, best_numbers
-from hotlap.preparation import prepare
-from hotlap.records import Log
+from hotlap.planning.preparation import prepare
+from hotlap.reference.scenario import Scenario
 
 STEPS, PLANT_STEPS = 100, 4  # control steps that a peer is given; steps of the plant in each
 
@@ -41,32 +41,32 @@ SOLVERS: dict[str, tuple[str, dict[str, Any]]] = {
 }  # fmt: skip
 
 
-def problem(course: Course) -> tuple[dict[str, ca.SX], int]:
+def problem(scenario: Scenario) -> tuple[dict[str, ca.SX], int]:
     """Eq. 3 of the paper: states and inputs of the horizon, with state and reference as parameters."""
-    settings, weights = course.race.controller, course.space.default
+    settings, weights = scenario.race.controller, scenario.space.default
     nodes, h = settings.nodes, weights[4] * settings.horizon_unit / settings.nodes
     Q = ca.DM([weights[0], weights[0], weights[1], *[weights[2]] * 4, *[weights[3]] * 3])
     R = ca.DM([settings.input_weights[0], settings.input_weights[1], settings.input_weights[1], settings.input_weights[2]])
     X, U = ca.SX.sym("X", 10, nodes + 1), ca.SX.sym("U", 4, nodes)
-    start, reference, node = ca.SX.sym("start", 10), ca.SX.sym("reference", 14, nodes + 1), dynamics.node_map()
+    start, reference, node = ca.SX.sym("start", 10), ca.SX.sym("reference", 14, nodes + 1), models.node_map()
     cost = sum(ca.dot(Q, (X[:, n] - reference[:10, n]) ** 2) for n in range(nodes + 1))
     cost += sum(ca.dot(R, (U[:, n] - reference[10:, n]) ** 2) for n in range(nodes))
-    gaps = [X[:, 0] - start, *(X[:, n + 1] - node(X[:, n], U[:, n], h, course.race.believed.gravity) for n in range(nodes))]
+    gaps = [X[:, 0] - start, *(X[:, n + 1] - node(X[:, n], U[:, n], h, scenario.race.control_model.gravity) for n in range(nodes))]
     parts = [part for n in range(nodes) for part in (X[:, n], U[:, n])]  # in order of time: sparse in a band
     unknowns, parameters = ca.vertcat(*parts, X[:, nodes]), ca.vertcat(start, ca.vec(reference))
     return {"x": unknowns, "p": parameters, "f": cost / 2, "g": ca.vertcat(*gaps)}, nodes
 
 
-def solve_steps(course: Course, log: Log, name: str, options: dict[str, Any]) -> tuple[float, float]:
+def solve_steps(scenario: Scenario, log: Log, name: str, options: dict[str, Any]) -> tuple[float, float]:
     """Median CPU microseconds of a control step, and the median distance of its thrust from ours [m/s^2]."""
-    nlp, nodes = problem(course)
+    nlp, nodes = problem(scenario)
     solver = ca.nlpsol("solver", name, nlp, options)
-    settings, h = course.race.controller, course.space.default[4] * course.race.controller.horizon_unit / nodes
+    settings, h = scenario.race.controller, scenario.space.default[4] * scenario.race.controller.horizon_unit / nodes
     rates, free = np.array(settings.rates), np.full(10, np.inf)
     low, high = np.concatenate([settings.thrust[:1], -rates]), np.concatenate([settings.thrust[1:], rates])
     bounds = [np.concatenate([np.tile(np.concatenate([-free, low]), nodes), -free])]
     bounds.append(np.concatenate([np.tile(np.concatenate([free, high]), nodes), free]))
-    table, times, costs, apart = course.reference.table, course.reference.times, [], []
+    table, times, costs, apart = scenario.reference.table, scenario.reference.times, [], []
     guess = None
     for time_now, state, command in zip(log.times[:STEPS], log.states[:STEPS], log.commands[:STEPS], strict=True):
         rows = np.transpose([np.interp(time_now + h * np.arange(nodes + 1), times, column) for column in table.T])
@@ -83,9 +83,9 @@ def solve_steps(course: Course, log: Log, name: str, options: dict[str, Any]) ->
     return 1e6 * statistics.median(costs), statistics.median(apart)
 
 
-def our_command(course: Course, log: Log) -> float:
+def our_command(scenario: Scenario, log: Log) -> float:
     """Median CPU microseconds of `Controller.command`."""
-    controller, costs = Controller(course, course.space.default), []
+    controller, costs = Controller(scenario, scenario.space.default), []
     for _ in range(2):  # the first may compile
         controller.reset()
         for time_now, state in zip(log.times[:-1], log.states[:-1], strict=True):
@@ -95,14 +95,14 @@ def our_command(course: Course, log: Log) -> float:
     return 1e6 * statistics.median(costs)
 
 
-def our_steps(course: Course, numbers: Numbers) -> float:
+def our_steps(scenario: Scenario, numbers: Numbers) -> float:
     """Control steps per second of one core, with everything."""
     flights = 16 * numbers.lanes
-    parameters = np.repeat(course.space.first_guess(len(course.segments))[None], flights, axis=0)
+    parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
     rates = []
     for _ in range(4):
         start = time.process_time()
-        _, effort = fly_batch(course, parameters, np.arange(flights), numbers=numbers, threads=1)
+        _, effort = fly_batch(scenario, parameters, np.arange(flights), numbers=numbers, threads=1)
         rates.append(effort.useful_steps / (time.process_time() - start))
     return statistics.median(rates[1:])
 
@@ -135,12 +135,12 @@ def seconds(work: Callable[[], None]) -> float:
 
 def main() -> None:
     """Print the tables."""
-    course = prepare(RACE)
-    first = course.space.first_guess(len(course.segments))[None]
-    log = fly_batch(course, first, np.zeros(1, dtype=np.int64), numbers=Numbers.FLOAT64, log=[0])[0].logs[0]
-    lanes, command = our_steps(course, best_numbers()), our_command(course, log)
+    scenario = prepare(RACE)
+    first = scenario.space.first_guess(len(scenario.segments))[None]
+    log = fly_batch(scenario, first, np.zeros(1, dtype=np.int64), numbers=Numbers.FLOAT64, log=[0])[0].logs[0]
+    lanes, command = our_steps(scenario, best_numbers()), our_command(scenario, log)
     rows = [(f"hotlap, {best_numbers()}, plant and judge included", 1e6 / lanes, None), ("hotlap, one command, float64", command, None)]
-    rows += [(title, *solve_steps(course, log, *solver)) for title, solver in SOLVERS.items()]
+    rows += [(title, *solve_steps(scenario, log, *solver)) for title, solver in SOLVERS.items()]
     print(f"{machine_name()}; {RACE}\n\n| controller | us a step | times the lanes | thrust apart, m/s^2 |\n|---|---|---|---|")
     for title, cost, apart in rows:
         print(f"| {title} | {cost:,.1f} | {cost * lanes / 1e6:,.0f} | {'' if apart is None else f'{apart:.1e}'} |")

@@ -11,32 +11,32 @@ import argparse
 import numpy as np
 
 from hotlap import tuners
-from hotlap.course import Course
-from hotlap.files import load_race
-from hotlap.goal import Goal
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.files.descriptions import load_race
+from hotlap.planning.preparation import prepare
+from hotlap.reference.scenario import Scenario
+from hotlap.tuning.goal import Goal
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 
 SPREADS = (0.0, 0.1, 0.2, 0.3)
 FLIGHTS, FIRST_SEED = 200, 10**12  # of each result in each spread; seeds that no search has met
 
 
-def tuned(course: Course, world: BuiltIn, spread: float, seeds: int, budget: int) -> list[Tuning]:
+def tuned(scenario: Scenario, world: BuiltIn, spread: float, seeds: int, budget: int) -> list[Tuning]:
     """Runs of the default tuner in worlds that differ so much; a result need not hold, so that all can be looked at."""
     settings = [TuningSettings(budget=budget, seed=seed, reliability=0.0, validation=0, randomise=spread) for seed in range(seeds)]
-    runs = [Tuning(tuners.build(tuners.DEFAULT), course, asked) for asked in settings]
-    for _ in tune_together(Objective(course, world, randomise=spread), runs):
+    runs = [Tuning(tuners.build(tuners.DEFAULT), scenario, asked) for asked in settings]
+    for _ in tune_together(Objective(scenario, world, randomise=spread), runs):
         pass
     return runs
 
 
-def success(course: Course, world: BuiltIn, runs: list[Tuning], spread: float) -> float:
+def success(scenario: Scenario, world: BuiltIn, runs: list[Tuning], spread: float) -> float:
     """Share of flights that complete, over all runs, in worlds that differ so much."""
     parameters = np.concatenate([np.repeat(run.best.parameters[None], FLIGHTS, axis=0) for run in runs if run.best is not None])
     seeds = np.tile(FIRST_SEED + np.arange(FLIGHTS, dtype=np.int64), len(runs))
-    return float(Goal().met(Objective(course, world, randomise=spread).fly(parameters, seeds)).mean())
+    return float(Goal().met(Objective(scenario, world, randomise=spread).fly(parameters, seeds)).mean())
 
 
 def main() -> None:
@@ -52,13 +52,13 @@ def main() -> None:
     print(f"| v_max | lap s | tuned in | confirmed | search flights | {header} |\n|---|---|---|---|---|{'---|' * len(SPREADS)}")
     for speed in arguments.speeds:
         planning = race.planning.model_copy(update={"v_max": speed})
-        course = course_for(prepare(race.model_copy(update={"planning": planning})), tuners.build(tuners.DEFAULT))
+        scenario = scenario_for(prepare(race.model_copy(update={"planning": planning})), tuners.build(tuners.DEFAULT))
         for spread in SPREADS:
-            runs = tuned(course, world, spread, arguments.seeds, arguments.budget)
+            runs = tuned(scenario, world, spread, arguments.seeds, arguments.budget)
             confirmed = [run for run in runs if run.best is not None and run.best.confirmed]
             middle = f"{np.median([run.search_flights for run in confirmed]):.0f}" if confirmed else "-"
-            shares = " | ".join(f"{100 * success(course, world, runs, flown):.0f}" for flown in SPREADS)
-            lap = course.reference.gate_times[-1]
+            shares = " | ".join(f"{100 * success(scenario, world, runs, flown):.0f}" for flown in SPREADS)
+            lap = scenario.reference.gate_times[-1]
             counts = f"{len(confirmed)} of {len(runs)} | {middle}"
             print(f"| {speed:g} | {lap:.2f} | {100 * spread:.0f} % | {counts} | {shares} |", flush=True)
 

@@ -1,10 +1,10 @@
-"""What segments are worth: python benchmarks/segments.py thresholds|rules|handover|transfer [--jobs N] [--out DIR]
+"""What segments are worth: python benchmarks/segments.py thresholds|rules|segment_switch|transfer [--jobs N] [--out DIR]
 
 All begin at the default weights. Resumable: what is flown is kept in DIR; the tables go to standard output.
 
     thresholds  of the paper's rule: height, look-ahead and least duration; the segments, and flights to 100 %
     rules       each segmentation rule on all races of Table I in both suites
-    handover    by time, by node and by distance
+    segment_switch    by time, by node and by distance
     transfer    parameters tuned on one race flown on the others, copied for each class of segments
 """
 
@@ -21,16 +21,16 @@ from typing import Any
 import numpy as np
 
 from hotlap import tuners
-from hotlap.analysis.lines_file import LinesFile
-from hotlap.course import Course
-from hotlap.executor import spread
-from hotlap.files import load_race
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.race import Handover
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.segmentation import Rule, segment
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.files.descriptions import load_race
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import SegmentSwitch
+from hotlap.reference.scenario import Scenario
+from hotlap.reference.segmentation import SegmentationRule, segment
+from hotlap.system.journal import LinesFile
+from hotlap.system.process_pool import spread
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 
 TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
@@ -51,7 +51,7 @@ class Case:
         seeds: how many.
         rule: how the reference is cut.
         thresholds: of the rule, by name.
-        handover: between segments.
+        segment_switch: between segments.
         confirm: re-flights.
         budget: flights at most.
     """
@@ -59,34 +59,34 @@ class Case:
     race: str
     tuner: str
     seeds: int
-    rule: str = Rule.PAPER
+    rule: str = SegmentationRule.PAPER
     thresholds: tuple[tuple[str, float], ...] = ()
-    handover: str = Handover.TIME
+    segment_switch: str = SegmentSwitch.TIME
     confirm: int = 4
     budget: int = BUDGET
 
     @property
-    def course(self) -> Course:
+    def scenario(self) -> Scenario:
         """What is flown."""
         race = load_race(self.race)
-        controller = race.controller.model_copy(update={"handover": Handover(self.handover)})
-        course = prepare(race.model_copy(update={"controller": controller}))
-        return replace(course, segments=segment(course.reference, Rule(self.rule), **dict(self.thresholds)))
+        controller = race.controller.model_copy(update={"segment_switch": SegmentSwitch(self.segment_switch)})
+        scenario = prepare(race.model_copy(update={"controller": controller}))
+        return replace(scenario, segments=segment(scenario.reference, SegmentationRule(self.rule), **dict(self.thresholds)))
 
 
 def fly(case: Case) -> Iterator[dict[str, Any]]:
     """Search flights of each run, None where it was not confirmed; what was found, and how often it holds."""
-    course = course_for(case.course, tuners.build(case.tuner))
+    scenario = scenario_for(case.scenario, tuners.build(case.tuner))
     settings = [
         TuningSettings(budget=case.budget, seed=seed, confirm=case.confirm, reliability=0.0, validation=FLIGHTS)
         for seed in range(case.seeds)
     ]
-    runs = [Tuning(tuners.build(case.tuner), course, one) for one in settings]
-    for _ in tune_together(Objective(course, BuiltIn(threads=1)), runs):
+    runs = [Tuning(tuners.build(case.tuner), scenario, one) for one in settings]
+    for _ in tune_together(Objective(scenario, BuiltIn(threads=1)), runs):
         pass
     good = [run for run in runs if run.best is not None and run.best.confirmed]
     yield {
-        "segments": len(course.segments),
+        "segments": len(scenario.segments),
         "search": [run.search_flights if run in good else None for run in runs],
         "held": [run.validation.rate if run.validation else None for run in good],
         "found": [run.best.parameters.tolist() for run in good],
@@ -113,10 +113,10 @@ def shown(results: Sequence[Mapping[str, Any]]) -> str:
 def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
     """A line for each way in which a race is cut, and the thresholds that cut it so."""
     for race in LONG:
-        course, ways = prepare(race), {}
+        scenario, ways = prepare(race), {}
         for rise, ahead, least in product(RISES, LOOKS, LEASTS):
             chosen = (("rise", rise), ("ahead", ahead), ("least", least))
-            cut = segment(course.reference, Rule.PAPER, **dict(chosen))
+            cut = segment(scenario.reference, SegmentationRule.PAPER, **dict(chosen))
             ways.setdefault((tuple(cut.starts.tolist()), cut.classes), []).append(chosen)
         cases = [Case(race, tuner, 4, thresholds=same[0]) for same in ways.values() for tuner in SEGMENTED]
         results = run_cases(kept, cases, jobs)
@@ -139,27 +139,27 @@ def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
 def rules(kept: LinesFile, jobs: int) -> Iterator[str]:
     """A table for each tuner: races by rules."""
     named = ("guided_walk:default", *SEGMENTED)
-    cases = {(tuner, race, rule): Case(race, tuner, 6, rule) for tuner in named for race in SOLVABLE for rule in Rule}
+    cases = {(tuner, race, rule): Case(race, tuner, 6, rule) for tuner in named for race in SOLVABLE for rule in SegmentationRule}
     results = run_cases(kept, list(cases.values()), jobs)
     for tuner in named:
-        yield f"\n{tuner}\n\n| race | {' | '.join(Rule)} |\n|{'---|' * (1 + len(Rule))}"
+        yield f"\n{tuner}\n\n| race | {' | '.join(SegmentationRule)} |\n|{'---|' * (1 + len(SegmentationRule))}"
         for race in SOLVABLE:
-            found = [results[cases[tuner, race, rule]] for rule in Rule]
+            found = [results[cases[tuner, race, rule]] for rule in SegmentationRule]
             cells = [f"{one['segments']}: {shown([one])}" for one in found]
             yield f"| {race} | {' | '.join(cells)} |"
-        yield f"| all | {' | '.join(shown([results[cases[tuner, race, rule]] for race in SOLVABLE]) for rule in Rule)} |"
+        yield f"| all | {' | '.join(shown([results[cases[tuner, race, rule]] for race in SOLVABLE]) for rule in SegmentationRule)} |"
 
 
-def handover(kept: LinesFile, jobs: int) -> Iterator[str]:
+def segment_switch(kept: LinesFile, jobs: int) -> Iterator[str]:
     """Races with several segments by ways of handing over."""
     several = [race for race in SOLVABLE if not race.rpartition("airsim-")[2].startswith("circle")]
     for tuner in SEGMENTED:
-        cases = {(race, way): Case(race, tuner, 8, handover=way) for race in several for way in Handover}
+        cases = {(race, way): Case(race, tuner, 8, segment_switch=way) for race in several for way in SegmentSwitch}
         results = run_cases(kept, list(cases.values()), jobs)
-        yield f"\n{tuner}\n\n| race | {' | '.join(Handover)} |\n|{'---|' * (1 + len(Handover))}"
+        yield f"\n{tuner}\n\n| race | {' | '.join(SegmentSwitch)} |\n|{'---|' * (1 + len(SegmentSwitch))}"
         for race in several:
-            yield f"| {race} | {' | '.join(shown([results[cases[race, way]]]) for way in Handover)} |"
-        yield f"| all | {' | '.join(shown([results[cases[race, way]] for race in several]) for way in Handover)} |"
+            yield f"| {race} | {' | '.join(shown([results[cases[race, way]]]) for way in SegmentSwitch)} |"
+        yield f"| all | {' | '.join(shown([results[cases[race, way]] for race in several]) for way in SegmentSwitch)} |"
 
 
 @dataclass(frozen=True)
@@ -173,18 +173,18 @@ class Flown:
 
 def carry(case: Flown) -> Iterator[float]:
     """Share of flights that complete; a class that the source has not gets the median of its classes."""
-    course = replace(case.source, race=case.target).course
+    scenario = replace(case.source, race=case.target).scenario
     known = {kind: np.array(values) for kind, values in case.values}
     middle = np.exp(np.median(np.log(list(known.values())), axis=0))
-    parameters = np.array([known.get(kind, middle) for kind in course.segments.segment_classes])
-    objective = Objective(course, BuiltIn(threads=1))
+    parameters = np.array([known.get(kind, middle) for kind in scenario.segments.segment_classes])
+    objective = Objective(scenario, BuiltIn(threads=1))
     scores = objective.fly(np.repeat(parameters[None], 2 * FLIGHTS, axis=0), flight_seeds(0, Stream.DEMONSTRATION, 0, 2 * FLIGHTS))
     yield float((scores.completion == 1).mean())
 
 
 def by_class(case: Case, found: Sequence[Any]) -> tuple[tuple[str, tuple[float, ...]], ...]:
     """Medians in logarithms over runs and over the segments of a class."""
-    kinds = case.course.segments.segment_classes
+    kinds = case.scenario.segments.segment_classes
     rows: dict[str, list[Any]] = {}
     for values in found:
         for kind, row in zip(kinds, values, strict=True):
@@ -195,7 +195,7 @@ def by_class(case: Case, found: Sequence[Any]) -> tuple[tuple[str, tuple[float, 
 def transfer(kept: LinesFile, jobs: int) -> Iterator[str]:
     """For each rule and suite a matrix: from row to column."""
     for suite, tuner in product((TABLE_I, tuple(race for race in SOLVABLE if race.startswith("airsim"))), ("guided_walk:segments",)):
-        for rule in (Rule.PAPER, Rule.NONE):
+        for rule in (SegmentationRule.PAPER, SegmentationRule.NONE):
             sources = [Case(race, tuner, 4, rule, confirm=10, budget=300) for race in suite]
             results = run_cases(kept, sources, jobs)
             flights = {
@@ -223,7 +223,7 @@ def transfer(kept: LinesFile, jobs: int) -> Iterator[str]:
 def main() -> int:
     """One part."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parts = {"thresholds": thresholds, "rules": rules, "handover": handover, "transfer": transfer}
+    parts = {"thresholds": thresholds, "rules": rules, "segment_switch": segment_switch, "transfer": transfer}
     parser.add_argument("part", choices=parts)
     parser.add_argument("--out", type=Path, default=Path("build/segments"))
     parser.add_argument("--jobs", type=int, default=0)

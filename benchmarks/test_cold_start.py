@@ -12,7 +12,7 @@ COMMANDS = ["--help", "races", "check circle-34", "fly circle-34 --flights 8"]
 
 
 def call(command: str, **environment: str) -> None:
-    arguments = [sys.executable, "-m", "hotlap.cli", *command.split()]
+    arguments = [sys.executable, "-m", "hotlap", *command.split()]
     subprocess.run(arguments, capture_output=True, check=True, env={**os.environ, **environment})
 
 

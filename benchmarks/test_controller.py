@@ -6,15 +6,15 @@ from itertools import count
 
 import pytest
 
-from hotlap.controllers import ControllerKind
-from hotlap.course import Course
 from hotlap.flight.controller import Controller
+from hotlap.race.controllers import ControllerKind
+from hotlap.reference.scenario import Scenario
 
 
 @pytest.mark.parametrize("age", [0.0, 0.045])
 @pytest.mark.parametrize("kind", ControllerKind)
-def test_command(benchmark, course, kind, age):
-    flown = Course(course.race.with_controller(kind), course.reference, course.segments)
+def test_command(benchmark, scenario, kind, age):
+    flown = Scenario(scenario.race.with_controller(kind), scenario.reference, scenario.segments)
     controller, table, steps = Controller(flown, flown.space.default), flown.reference.table, count()
     offset = 0.05  # beside the reference
 

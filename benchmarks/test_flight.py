@@ -7,25 +7,25 @@ import time
 import numpy as np
 import pytest
 
-from hotlap.controllers import ControllerKind
-from hotlap.course import Course
-from hotlap.flight.batch import fly_batch
+from hotlap.core.records import Flights
+from hotlap.flight.fly import fly_batch
 from hotlap.flight.numbers import Numbers, best_numbers
-from hotlap.records import Flights
+from hotlap.race.controllers import ControllerKind
+from hotlap.reference.scenario import Scenario
 from hotlap.worlds import BuiltIn
 
 
-def fly(course: Course, flights: int, numbers: Numbers) -> tuple[Flights, float]:
+def fly(scenario: Scenario, flights: int, numbers: Numbers) -> tuple[Flights, float]:
     """The default parameters in one thread, and how many control steps they flew."""
-    parameters = np.repeat(course.space.first_guess(len(course.segments))[None], flights, axis=0)
-    flown, effort = fly_batch(course, parameters, np.arange(flights), numbers=numbers, threads=1)
+    parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
+    flown, effort = fly_batch(scenario, parameters, np.arange(flights), numbers=numbers, threads=1)
     return flown, effort.useful_steps
 
 
 @pytest.mark.parametrize("kind", ControllerKind)
 @pytest.mark.parametrize("numbers", Numbers)
-def test_flights(benchmark, course, numbers, kind):
-    flown = Course(course.race.with_controller(kind), course.reference, course.segments)
+def test_flights(benchmark, scenario, numbers, kind):
+    flown = Scenario(scenario.race.with_controller(kind), scenario.reference, scenario.segments)
     flights = 16 * numbers.lanes
     fly(flown, 1, numbers)  # compiles
     _, steps = benchmark.pedantic(fly, (flown, flights, numbers), rounds=5, warmup_rounds=1)
@@ -33,13 +33,13 @@ def test_flights(benchmark, course, numbers, kind):
 
 
 @pytest.mark.parametrize("flights", [1_000, 100_000])
-def test_memory_and_cost_a_flight(benchmark, course, flights):
+def test_memory_and_cost_a_flight(benchmark, scenario, flights):
     """One after the other: what a process holds grows with the flights; the cost of one does not."""
     world = BuiltIn()
-    world.prepare(course)
-    parameters = np.repeat(course.space.first_guess(len(course.segments))[None], flights, axis=0)
+    world.prepare(scenario)
+    parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
     start = time.process_time()
-    benchmark.pedantic(world.fly, (course, parameters, np.arange(flights)), rounds=1)
+    benchmark.pedantic(world.fly, (scenario, parameters, np.arange(flights)), rounds=1)
     cost = 1e6 * (time.process_time() - start) / flights
     benchmark.extra_info |= {"numbers": best_numbers(), "CPU microseconds a flight": cost, "MB in the process": resident()}
     assert resident() < 1000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hotlap.files import load_race
+from hotlap.files.descriptions import load_race
 from hotlap.planning import plan
 
 

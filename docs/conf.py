@@ -7,7 +7,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from hotlap import __version__
+from hotlap.core.version import __version__
 
 project = "hotlap"
 author = "The hotlap authors"

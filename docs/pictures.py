@@ -11,7 +11,7 @@ from PIL import Image
 
 HERE = Path(__file__).parent
 PICTURES, BROWSER = HERE / "pictures", HERE.parent / "page"
-HOTLAP = [sys.executable, "-m", "hotlap.cli"]
+HOTLAP = [sys.executable, "-m", "hotlap"]
 TUNED = ("tune", "qualifier-20", "--first-guess", "default", "--seed", "0")
 SCREEN = 1440, 920  # pixels of the page that are shown
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from hotlap import race, toml, track
-from hotlap.keys import documented_keys
-from hotlap.quadrotor import Quadrotor
-from hotlap.schema import Described
+from hotlap.files import toml_writer
+from hotlap.files.documented_keys import documented_keys
+from hotlap.race import race, track
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.schema import Described
 
 PAGE = Path(__file__).with_name("files.md")
 DESCRIPTIONS: dict[str, type[Described]] = {
@@ -31,7 +32,7 @@ def table(description: type[Described]) -> str:
     for key in documented_keys(description):
         plain = key.default is not None and key.table is None
         needed = "the file's own name" if key.name == "name" else "*required*"
-        default = needed if key.required else f"`{toml.write_value(key.default)}`" if plain else ""
+        default = needed if key.required else f"`{toml_writer.write_value(key.default)}`" if plain else ""
         rows.append(f"| `{key.name}` | {key.unit} | {key.meaning.replace('|', chr(92) + '|')} | {default} |")
     return "\n".join(rows) + "\n"
 

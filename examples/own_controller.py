@@ -32,7 +32,7 @@ def fly(gains: np.ndarray) -> float:
 
 low, high, default = np.array([[0.5, 0.5, 0.1], [40.0, 20.0, 3.0], [4.0, 3.0, 1.0]])
 space = ParameterSpace(("k_position", "k_velocity", "feed_forward"), low, high, default, log_step=np.ones(3))
-tuner = tuners.build("gatewise")
+tuner = tuners.build("gate_gp")
 tuner.start(space.first_guess(1), space, np.random.default_rng(0))
 tried = []
 while len(tried) < 80:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hotlap import BuiltIn, Flights, Goal, Objective, Scores, Tuning, TuningSettings, prepare, tune, tuners
-from hotlap.goal import Quantity
+from hotlap.tuning.goal import Quantity
 
 MISSED = 10.0  # m: what a gate counts as that was missed
 
@@ -15,13 +15,13 @@ def worst_gate(flights: Flights, scores: Scores) -> np.ndarray:
     return worst + MISSED * (1 - scores.completion) * passed.shape[1]
 
 
-course = prepare("circle-34")
-objective = Objective(course, BuiltIn(), cost=worst_gate)
-settings = TuningSettings(goal=Goal(Quantity.NONE), budget=150, validation=0, worlds=3)  # no goal: the lowest mean over three flights
-*_, last = tune(objective, Tuning(tuners.build("gatewise"), course, settings))
+scenario = prepare("circle-34")
+objective = Objective(scenario, BuiltIn(), cost=worst_gate)
+settings = TuningSettings(goal=Goal(Quantity.NONE), budget=150, validation=0, samples=3)  # no goal: the lowest mean over three flights
+*_, last = tune(objective, Tuning(tuners.build("gate_gp"), scenario, settings))
 
 seeds = np.arange(100)
-for label, parameters in (("default", course.space.first_guess(len(course.segments))), ("tuned", last.best.parameters)):
+for label, parameters in (("default", scenario.space.first_guess(len(scenario.segments))), ("tuned", last.best.parameters)):
     scores = objective.fly(np.repeat(parameters[None], len(seeds), axis=0), seeds)
     worst = np.median(scores.cost[scores.complete]) if scores.complete.any() else np.nan
     print(f"{label}: passes all gates in {scores.complete.mean():.0%} of the flights; there the worst gate is passed at {worst:.2f} m")

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from hotlap import BuiltIn, Objective, Tuning, TuningSettings, load_race, prepare, tune, tuners
-from hotlap.check import describe
+from hotlap.planning.feasibility import describe
 
 DRONE = """
 mass = 0.85                       # kg
@@ -29,6 +29,6 @@ race = load_race("my-race.toml")
 for finding in describe(race):
     print(f"{finding.label:<20} {finding.value:<20} {finding.remark}")
 
-course = prepare(race)
-*_, last = tune(Objective(course, BuiltIn()), Tuning(tuners.build("gatewise"), course, TuningSettings(validation=100)))
+scenario = prepare(race)
+*_, last = tune(Objective(scenario, BuiltIn()), Tuning(tuners.build("gate_gp"), scenario, TuningSettings(validation=100)))
 print(f"confirmed: {last.best.confirmed}, after {last.search_flights} search flights; lap {last.best.lap_time:.2f} s")

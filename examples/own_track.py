@@ -3,7 +3,7 @@
 import numpy as np
 
 from hotlap import BuiltIn, Objective, Tuning, TuningSettings, load_race, prepare, tune, tuners
-from hotlap.track import Gate, Track
+from hotlap.race.track import Gate, Track
 
 turns = np.linspace(0, 2 * np.pi, 9)[1:]
 gates = np.stack([9 * np.sin(turns), 9 - 9 * np.cos(turns), 1.5 + np.sin(2 * turns)], axis=1).round(2)
@@ -16,11 +16,11 @@ track = Track(
 )
 race = load_race("circle-34").model_copy(update={"name": "bowl", "track": track})
 
-course = prepare(race)
-reference = course.reference
-print(f"planned: {reference.lap_time:.2f} s, up to {reference.max_speed:.1f} m/s; segments: {', '.join(course.segments.classes)}")
-run = Tuning(tuners.build("gatewise"), course, TuningSettings(budget=200, validation=100))
-for batch in tune(Objective(course, BuiltIn()), run):
+scenario = prepare(race)
+reference = scenario.reference
+print(f"planned: {reference.lap_time:.2f} s, up to {reference.max_speed:.1f} m/s; segments: {', '.join(scenario.segments.classes)}")
+run = Tuning(tuners.build("gate_gp"), scenario, TuningSettings(budget=200, validation=100))
+for batch in tune(Objective(scenario, BuiltIn()), run):
     if batch.done:
         print(f"confirmed: {batch.best.confirmed}, after {batch.search_flights} search flights; lap {batch.best.lap_time:.2f} s")
         print(batch.best.parameters.round(1))

@@ -1,4 +1,4 @@
-"""A tuner of your own, on equal terms with the built-in ones: also `hotlap compare RACE... --tuners own_tuner.Hill,gatewise`."""
+"""A tuner of your own, on equal terms with the built-in ones: also `hotlap compare RACE... --tuners own_tuner.Hill,gate_gp`."""
 
 from dataclasses import dataclass
 
@@ -43,7 +43,7 @@ class Hill:
 
 
 if __name__ == "__main__":
-    course = prepare("drop-20")
-    for name in ("own_tuner.Hill", "own_tuner.Hill:bold", "gatewise"):
-        *_, last = tune(Objective(course, BuiltIn()), Tuning(tuners.build(name), course, TuningSettings(validation=50)))
+    scenario = prepare("drop-20")
+    for name in ("own_tuner.Hill", "own_tuner.Hill:bold", "gate_gp"):
+        *_, last = tune(Objective(scenario, BuiltIn()), Tuning(tuners.build(name), scenario, TuningSettings(validation=50)))
         print(f"{name:<20} confirmed: {last.best.confirmed}, after {last.search_flights} search flights, {last.flights} in all")

@@ -2,7 +2,7 @@
 
 from hypothesis import settings
 
-from hotlap.threads import one_thread
+from hotlap.system.blas_threads import one_thread
 
 one_thread()
 

@@ -8,20 +8,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hotlap.course import Course
-from hotlap.parameters import Parameters
-from hotlap.quadrotor import Quadrotor
-from hotlap.race import JudgeSettings, Race
-from hotlap.records import End, Flights
-from hotlap.reference import Reference
-from hotlap.segmentation import SegmentClass, Segments
-from hotlap.track import Gate, Track
+from hotlap.core.parameters import Parameters
+from hotlap.core.records import End, Flights
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.race import JudgeSettings, Race
+from hotlap.race.track import Gate, Track
+from hotlap.reference.reference import Reference
+from hotlap.reference.scenario import Scenario
+from hotlap.reference.segmentation import SegmentClass, Segments
 
 GATES = 5
 OPTIMUM = np.array([80.0, 400.0, 40.0, 6.0, 4.5])
 
 
-def make_course(judge: JudgeSettings | None = None, name: str = "straight") -> Course:
+def make_scenario(judge: JudgeSettings | None = None, name: str = "straight") -> Scenario:
     """Five gates in a line, two metres and one second apart, in two segments."""
     gates = tuple(Gate(position=(2.0 * (k + 1), 0.0, 1.0)) for k in range(GATES))
     track = Track(name=name, start=(0.0, 0.0, 1.0), gates=gates)
@@ -34,7 +34,7 @@ def make_course(judge: JudgeSettings | None = None, name: str = "straight") -> C
     attitude = np.tile([1.0, 0.0, 0.0, 0.0], (rows, 1))
     thrust, rotors = np.full(rows, 9.81), np.full((rows, 4), 2.4525)
     reference = Reference(position, attitude, zeros, zeros, thrust, rotors, gate_times=np.arange(1.0, GATES + 1), duration=float(GATES))
-    return Course(race, reference, Segments(np.array([0.0, 2.5]), (SegmentClass.FLAT, SegmentClass.ASCENT), float(GATES)))
+    return Scenario(race, reference, Segments(np.array([0.0, 2.5]), (SegmentClass.FLAT, SegmentClass.ASCENT), float(GATES)))
 
 
 @dataclass
@@ -48,7 +48,7 @@ class FakeWorld:
     """
 
     name: str = "fake"
-    takes_truth: bool = False
+    takes_vehicle_parameters: bool = False
     noise: float = 0.25
     reach: float = 2.2
     pause: float = 0.0
@@ -56,24 +56,24 @@ class FakeWorld:
 
     def fly(
         self,
-        course: Course,
+        scenario: Scenario,
         parameters: Parameters,
         seeds: np.ndarray,
         *,
-        truth: np.ndarray | None = None,
+        vehicle_parameters: np.ndarray | None = None,
         log: Sequence[int] = (),
     ) -> Flights:
-        assert truth is None
+        assert vehicle_parameters is None
         assert not log
         time.sleep(self.pause)
         self.batches.append(len(seeds))
         chances = np.array([np.random.default_rng(int(seed)).standard_normal(GATES) for seed in seeds])
-        distance = np.sqrt(np.mean(np.log(parameters / OPTIMUM) ** 2, axis=2))[:, course.gate_segments]
+        distance = np.sqrt(np.mean(np.log(parameters / OPTIMUM) ** 2, axis=2))[:, scenario.gate_segments]
         error = np.abs(self.reach * distance + self.noise * chances)
-        passed = np.cumprod(error <= course.race.judge.distance, axis=1).sum(axis=1)
+        passed = np.cumprod(error <= scenario.race.judge.distance, axis=1).sum(axis=1)
         complete, stop = passed == GATES, np.minimum(passed, GATES - 1)
         seen = np.where(np.arange(GATES) <= stop[:, None], error, np.nan)
-        gates, times = course.race.track.gate_positions, course.reference.gate_times
+        gates, times = scenario.race.track.gate_positions, scenario.reference.gate_times
         offset = np.zeros((len(seeds), 3))
         offset[:, 1] = np.take_along_axis(error, stop[:, None], 1)[:, 0]
         return Flights(
@@ -90,6 +90,6 @@ class FakeWorld:
             max_error=np.nanmax(seen, axis=1),
             gate_positions=gates,
             gate_times=times,
-            gate_segments=course.gate_segments,
+            gate_segments=scenario.gate_segments,
             logs={},
         )

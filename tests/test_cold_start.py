@@ -25,18 +25,18 @@ def test_a_second_process_loads_neither_planner_nor_equations():
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     modules = set(ran.stderr.splitlines()[-1].split())
     assert "compiling" not in ran.stderr.replace(ran.stderr.splitlines()[-1], "")
-    assert {"numba", "hotlap.flight.simulate"} <= modules
+    assert {"numba", "hotlap.flight.kernel"} <= modules
     assert {name.partition(".")[0] for name in modules} & IDLE == set()
-    assert modules & {"hotlap.dynamics", "hotlap.planning.minimum_time"} == set()
+    assert modules & {"hotlap.dynamics.models", "hotlap.planning.minimum_time"} == set()
 
 
 @pytest.mark.usefixtures("warm")
 @pytest.mark.parametrize("name", ["circle-34"])
 def test_a_controller_by_itself_needs_no_equations_either(name):
     program = (
-        "import sys; from hotlap.preparation import prepare; from hotlap.flight.controller import Controller\n"
-        f"course = prepare({name!r}); controller = Controller(course, course.space.default)\n"
-        "controller.command(0.0, course.reference.table[0, :10]); print(*sys.modules)"
+        "import sys; from hotlap.planning.preparation import prepare; from hotlap.flight.controller import Controller\n"
+        f"scenario = prepare({name!r}); controller = Controller(scenario, scenario.space.default)\n"
+        "controller.command(0.0, scenario.reference.table[0, :10]); print(*sys.modules)"
     )
     for _ in range(2):  # the first may compile
         ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

@@ -15,7 +15,7 @@ from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
 
-from hotlap.schema import Described
+from hotlap.race.schema import Described
 
 SECTION = re.compile(r"(Args|Attributes|Raises|Returns|Yields):$")
 MEMBER = re.compile(r"([A-Z][A-Z0-9_]*): (.*)")

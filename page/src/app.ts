@@ -28,7 +28,7 @@ export class App {
     const keys = Object.keys(study) as Part[];
     this.parts = Object.fromEntries(keys.map((key) => [key, new Signal<unknown>(study[key])])) as unknown as Parts;
     this.texts = write(plain);
-    this.clock = new Clock(study.course.duration);
+    this.clock = new Clock(study.scenario.duration);
     this.theme = new Signal(theme);
     this.shown = new Signal<ReadonlySet<string>>(new Set(study.traces.map((trace) => trace.id)));
     this.pointed.watch((segment) => (this.lit.value = segment));
@@ -40,7 +40,7 @@ export class App {
     this.texts = write(plain);
     const known = new Set(this.parts.traces.value.map((trace) => trace.id));
     const fresh = study.traces.map((trace) => trace.id).filter((id) => !known.has(id));
-    this.clock.duration = study.course.duration;
+    this.clock.duration = study.scenario.duration;
     for (const key of Object.keys(this.parts) as Part[]) {
       if (before.get(key) !== this.texts.get(key)) (this.parts[key] as Signal<unknown>).value = study[key];
     }

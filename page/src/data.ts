@@ -50,7 +50,7 @@ export interface Reference {
   readonly rates: Table;
 }
 
-export interface Course {
+export interface Scenario {
   readonly duration: number;
   readonly lap_time: number;
   readonly gate_distance: number;
@@ -173,7 +173,7 @@ export interface Study {
   readonly kind: string;
   readonly live: boolean;
   readonly headline: Headline;
-  readonly course: Course;
+  readonly scenario: Scenario;
   readonly traces: readonly Trace[];
   readonly repeats: readonly Repeat[];
   readonly flights: Flights | null;

@@ -1,5 +1,5 @@
 /** Flights in time and along the track. */
-import type { Course, Trace } from "./data";
+import type { Scenario, Trace } from "./data";
 import { type Floats, row, type Table } from "./table";
 
 /** Fractional row of a time; rows ascend, the ends hold. */
@@ -33,8 +33,8 @@ export function lastTime(trace: Trace): number {
 }
 
 /** [m] travelled along the reference at each of its rows. */
-export function lengths(course: Course): Floats {
-  const { position } = course.reference;
+export function lengths(scenario: Scenario): Floats {
+  const { position } = scenario.reference;
   const sums = new Float32Array(position.shape[0]);
   for (let i = 1; i < sums.length; i++) {
     const [a, b] = [row(position, i - 1), row(position, i)];
@@ -44,22 +44,22 @@ export function lengths(course: Course): Floats {
 }
 
 /** [m] along the reference that a flight has come at each of its rows: the nearest point within half a second of the clock, never backwards. */
-export function progress(course: Course, trace: Trace, along: Floats): Floats {
-  const times = course.reference.time.values;
+export function progress(scenario: Scenario, trace: Trace, along: Floats): Floats {
+  const times = scenario.reference.time.values;
   const window = Math.max(2, Math.round(0.5 / Math.max(times[1] - times[0], 1e-3)));
   const reached = new Float32Array(trace.time.values.length);
   let least = 0;
   for (let i = 0; i < reached.length; i++) {
     const middle = Math.round(find(times, trace.time.values[i]));
     const first = Math.max(least, middle - window);
-    least = Math.min(Math.max(first, nearest(course, row(trace.position, i), first, middle + window)), along.length - 1);
+    least = Math.min(Math.max(first, nearest(scenario, row(trace.position, i), first, middle + window)), along.length - 1);
     reached[i] = along[least];
   }
   return reached;
 }
 
-function nearest(course: Course, point: Floats, first: number, last: number): number {
-  const { values, shape } = course.reference.position;
+function nearest(scenario: Scenario, point: Floats, first: number, last: number): number {
+  const { values, shape } = scenario.reference.position;
   let best = first;
   let shortest = Infinity;
   for (let k = first; k <= Math.min(last, shape[0] - 1); k++) {

@@ -33,7 +33,7 @@ function go(app: App, time: number): void {
 
 /** Time of the next gate, or of the one before. */
 function gate(app: App, next: boolean): number {
-  const times = [0, ...app.parts.course.value.gate_times.values];
+  const times = [0, ...app.parts.scenario.value.gate_times.values];
   const now = app.clock.time.value;
   const found = next ? times.find((time) => time > now + 1e-3) : times.filter((time) => time < now - 1e-3).pop();
   return found ?? now;

@@ -55,7 +55,7 @@ function afterPaint(work: () => void): void {
 
 /** Plays once; someone who wants no motion gets the end of the lap, with the whole trail. */
 function begin(app: App): void {
-  if (matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.seek(app.parts.course.value.lap_time);
+  if (matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.seek(app.parts.scenario.value.lap_time);
   else if (app.parts.traces.value.length) app.clock.play();
 }
 

@@ -2,11 +2,11 @@
 
 In short:
 
-    course = prepare("circle-34")
-    guess = course.space.first_guess(len(course.segments))
-    asked = Configuration(course, "built-in", Metric.TIME, "metropolis_hastings", TuningSettings(), guess)
+    scenario = prepare("circle-34")
+    guess = scenario.space.first_guess(len(scenario.segments))
+    asked = Configuration(scenario, "built-in", Metric.TIME, "metropolis_hastings", TuningSettings(), guess)
     with Study.open("runs/mine", asked) as study:
-        result = carry_out(study, Objective(course, BuiltIn()))
+        result = study.run(Objective(scenario, BuiltIn()))
 """
 
 from __future__ import annotations
@@ -14,46 +14,46 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from hotlap.core.version import __version__
+
 if TYPE_CHECKING:
-    from hotlap.configuration import Configuration
-    from hotlap.course import Course
-    from hotlap.errors import HotlapError, InputError, PlanningError
-    from hotlap.files import load_parameters, load_quadrotor, load_race, load_track, save_parameters
+    from hotlap.core.errors import HotlapError, InputError, PlanningError
+    from hotlap.core.parameters import ParameterSpace
+    from hotlap.core.records import Flights, Scores
+    from hotlap.files.descriptions import load_parameters, load_quadrotor, load_race, load_track, save_parameters
     from hotlap.flight.controller import Controller
-    from hotlap.goal import Goal, parse_goal
-    from hotlap.objective import Objective
-    from hotlap.parameters import ParameterSpace
     from hotlap.planning import plan
-    from hotlap.preparation import prepare
-    from hotlap.records import Flights, Scores
-    from hotlap.reference import Reference
-    from hotlap.reference_csv import load_reference, save_reference
-    from hotlap.scoring import Metric
-    from hotlap.segmentation import Segments, segment
-    from hotlap.study import Study, carry_out
-    from hotlap.tuning import Tuning, TuningSettings, tune
+    from hotlap.planning.preparation import prepare
+    from hotlap.planning.reference_csv import load_reference, save_reference
+    from hotlap.reference.reference import Reference
+    from hotlap.reference.scenario import Scenario
+    from hotlap.reference.segmentation import Segments, segment
+    from hotlap.study.configuration import Configuration
+    from hotlap.study.study import Study
+    from hotlap.tuning.goal import Goal, parse_goal
+    from hotlap.tuning.loop import Tuning, TuningSettings, tune
+    from hotlap.tuning.objective import Objective
+    from hotlap.tuning.scoring import Metric
     from hotlap.worlds.built_in import BuiltIn
 
-__version__ = "0.1.0.dev0"
-
 _HOMES = {
-    "configuration": ("Configuration",),
-    "course": ("Course",),
-    "errors": ("HotlapError", "InputError", "PlanningError"),
-    "files": ("load_parameters", "load_quadrotor", "load_race", "load_track", "save_parameters"),
+    "core.errors": ("HotlapError", "InputError", "PlanningError"),
+    "core.parameters": ("ParameterSpace",),
+    "core.records": ("Flights", "Scores"),
+    "files.descriptions": ("load_parameters", "load_quadrotor", "load_race", "load_track", "save_parameters"),
     "flight.controller": ("Controller",),
-    "goal": ("Goal", "parse_goal"),
-    "objective": ("Objective",),
-    "parameters": ("ParameterSpace",),
     "planning": ("plan",),
-    "preparation": ("prepare",),
-    "records": ("Flights", "Scores"),
-    "reference": ("Reference",),
-    "reference_csv": ("load_reference", "save_reference"),
-    "scoring": ("Metric",),
-    "segmentation": ("Segments", "segment"),
-    "study": ("Study", "carry_out"),
-    "tuning": ("Tuning", "TuningSettings", "tune"),
+    "planning.preparation": ("prepare",),
+    "planning.reference_csv": ("load_reference", "save_reference"),
+    "reference.reference": ("Reference",),
+    "reference.scenario": ("Scenario",),
+    "reference.segmentation": ("Segments", "segment"),
+    "study.configuration": ("Configuration",),
+    "study.study": ("Study",),
+    "tuning.goal": ("Goal", "parse_goal"),
+    "tuning.loop": ("Tuning", "TuningSettings", "tune"),
+    "tuning.objective": ("Objective",),
+    "tuning.scoring": ("Metric",),
     "worlds.built_in": ("BuiltIn",),
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
@@ -62,7 +62,6 @@ __all__ = [
     "BuiltIn",
     "Configuration",
     "Controller",
-    "Course",
     "Flights",
     "Goal",
     "HotlapError",
@@ -72,12 +71,13 @@ __all__ = [
     "ParameterSpace",
     "PlanningError",
     "Reference",
+    "Scenario",
     "Scores",
     "Segments",
     "Study",
     "Tuning",
     "TuningSettings",
-    "carry_out",
+    "__version__",
     "load_parameters",
     "load_quadrotor",
     "load_race",

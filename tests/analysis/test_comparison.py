@@ -10,16 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fake_world import FakeWorld, make_course
-from hotlap import preparation, tuners, worlds
+from fake_world import FakeWorld, make_scenario
+from hotlap import tuners, worlds
 from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cells, missing
 from hotlap.analysis.comparison_table import ALL, cells_of, completion_band, markdown, overall, profiles, rows_of, summarise
 from hotlap.analysis.runs_file import RunsFile
-from hotlap.errors import StudyError
-from hotlap.goal import parse_goal
-from hotlap.objective import Objective
-from hotlap.segmentation import Rule, segment
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune
+from hotlap.core.errors import StudyError
+from hotlap.planning import preparation
+from hotlap.reference.segmentation import SegmentationRule, segment
+from hotlap.tuning.goal import parse_goal
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune
+from hotlap.tuning.objective import Objective
 
 SETTINGS = TuningSettings(goal=parse_goal("completion=1"), budget=60, reliability=0.0, validation=50)
 NAMES = ("random_search:paper", "metropolis_hastings:tied", "guided_walk:default", "cma_es:log")
@@ -29,14 +30,16 @@ NAMES = ("random_search:paper", "metropolis_hastings:tied", "guided_walk:default
 def straight(monkeypatch) -> None:
     """A world, a planner and segments that take no time."""
     monkeypatch.setattr(worlds, "build", lambda _: FakeWorld())
-    monkeypatch.setattr(preparation, "plan", lambda *_, **__: make_course().reference)
+    monkeypatch.setattr(preparation, "plan", lambda *_, **__: make_scenario().reference)
     monkeypatch.setattr(
-        preparation, "segment", lambda reference, rule: make_course().segments if rule is Rule.PAPER else segment(reference, rule)
+        preparation,
+        "segment",
+        lambda reference, rule: make_scenario().segments if rule is SegmentationRule.PAPER else segment(reference, rule),
     )
 
 
 def cell(tuner: str = NAMES[1], seeds: tuple[int, ...] = (0, 1, 2, 3), **changes) -> Cell:
-    return Cell(make_course().race, tuner, TuningSettings(**{**vars(SETTINGS), **changes}), seeds)
+    return Cell(make_scenario().race, tuner, TuningSettings(**{**vars(SETTINGS), **changes}), seeds)
 
 
 def make_run(tuner: str = "a", race: str = "r", seed: int = 0, **changes) -> Run:
@@ -54,9 +57,9 @@ def test_a_run_among_others_is_the_run_alone(tuner):
     assert sorted(together) == [0, 1, 2, 3]
     for seed in (1, 3):
         built = tuners.build(tuner)
-        course = course_for(make_course(), built)
-        tuning = Tuning(built, course, TuningSettings(**{**vars(SETTINGS), "seed": seed}))
-        last = list(tune(Objective(course, FakeWorld()), tuning))[-1]
+        scenario = scenario_for(make_scenario(), built)
+        tuning = Tuning(built, scenario, TuningSettings(**{**vars(SETTINGS), "seed": seed}))
+        last = list(tune(Objective(scenario, FakeWorld()), tuning))[-1]
         run = together[seed]
         assert (run.flights, run.search_flights, run.confirmed) == (last.flights, last.search_flights, last.best.confirmed)
         assert (run.completion, run.cost) == (last.best.completion, last.best.cost)
@@ -76,7 +79,7 @@ def test_the_curve_ends_where_the_run_does_and_the_tuner_is_on_the_clock():
 def test_a_key_changes_with_all_that_decides_about_a_run_but_its_seed():
     same = {cell().key, cell(seeds=(7,)).key}
     others = [cell("cma_es:log"), cell(budget=61), cell(confirm=5), cell(validation=10), cell(goal=parse_goal("mean_error<0.3"))]
-    others += [replace(cell(), segments=rule) for rule in (Rule.NONE, Rule.EQUAL_TIME)]
+    others += [replace(cell(), segments=rule) for rule in (SegmentationRule.NONE, SegmentationRule.EQUAL_TIME)]
     assert len(same) == 1
     assert len({*same, *(other.key for other in others)}) == 8
 
@@ -93,7 +96,7 @@ def test_what_is_done_is_not_flown_again_and_what_may_share_flights_does():
 
 
 def test_cells_that_are_cut_by_different_rules_are_flown_apart():
-    whole, paper = replace(cell(seeds=(0,)), segments=Rule.NONE), cell(seeds=(0,))
+    whole, paper = replace(cell(seeds=(0,)), segments=SegmentationRule.NONE), cell(seeds=(0,))
     assert sorted(len(group) for group in missing([whole, paper], {}, 1)) == [1, 1]
     assert [run.seed for _, run in fly_cells((whole,))] == [0]
 

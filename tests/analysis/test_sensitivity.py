@@ -5,24 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fake_world import OPTIMUM, FakeWorld, make_course
+from fake_world import OPTIMUM, FakeWorld, make_scenario
 from hotlap.analysis.sensitivity import FACTORS, survey_sensitivity
-from hotlap.seeds import Stream, flight_seeds
+from hotlap.core.seeds import Stream, flight_seeds
 
 
 class OnlyTheFirst(FakeWorld):
     """A world in which only the first parameter of the second segment counts."""
 
-    def fly(self, course, parameters, seeds, *, truth=None, log=()):
+    def fly(self, scenario, parameters, seeds, *, vehicle_parameters=None, log=()):
         self.seen = parameters, seeds
         counted = np.tile(OPTIMUM, (*parameters.shape[:2], 1))
         counted[:, 1, 0] = parameters[:, 1, 0]
-        return super().fly(course, counted, seeds, truth=truth, log=log)
+        return super().fly(scenario, counted, seeds, vehicle_parameters=vehicle_parameters, log=log)
 
 
 @pytest.fixture
 def found():
-    return survey_sensitivity(make_course(), OnlyTheFirst(noise=0.1), np.tile(OPTIMUM, (2, 1)), seed=3)
+    return survey_sensitivity(make_scenario(), OnlyTheFirst(noise=0.1), np.tile(OPTIMUM, (2, 1)), seed=3)
 
 
 def test_what_does_not_count_loses_nothing(found):
@@ -47,21 +47,21 @@ def test_shapes_and_shares(found):
 
 
 def test_nothing_leaves_its_bounds_and_all_meet_the_same_noise():
-    course, world = make_course(), OnlyTheFirst()
-    survey_sensitivity(course, world, np.tile(course.space.high, (2, 1)), seed=3, flights=4)
+    scenario, world = make_scenario(), OnlyTheFirst()
+    survey_sensitivity(scenario, world, np.tile(scenario.space.high, (2, 1)), seed=3, flights=4)
     parameters, seeds = world.seen
-    assert course.space.contains(parameters)
+    assert scenario.space.contains(parameters)
     assert set(seeds.tolist()) <= set(flight_seeds(3, Stream.DEMONSTRATION, 0, 4).tolist())
 
 
 def test_a_point_that_occurs_twice_is_flown_once():
     world = FakeWorld()
-    survey_sensitivity(make_course(), world, np.tile(OPTIMUM, (2, 1)), seed=0, flights=3)
+    survey_sensitivity(make_scenario(), world, np.tile(OPTIMUM, (2, 1)), seed=0, flights=3)
     assert world.batches[0] == (5 * 6 + 1) * 3 - 3 * _clipped()
 
 
 def _clipped() -> int:
     """Points that bounds move onto each other: none but those beyond both of a pair of factors."""
-    space, points = make_course().space, OPTIMUM[:, None] * np.array(FACTORS)
+    space, points = make_scenario().space, OPTIMUM[:, None] * np.array(FACTORS)
     kept = [len(np.unique(np.clip(row, low, high))) for row, low, high in zip(points, space.low, space.high, strict=True)]
     return 5 * len(FACTORS) - sum(kept)

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from cli.fake_hotlap import MODULES, REPLACEMENTS
-from fake_world import make_course
+from fake_world import make_scenario
 from hotlap.cli import main
-from hotlap.files import save
+from hotlap.files.descriptions import save
 
 
 @dataclass
@@ -35,7 +35,7 @@ def here(tmp_path, monkeypatch) -> Path:
     monkeypatch.setenv("HOTLAP_CACHE", str(tmp_path / "cache"))
     for name in ("FORCE_COLOR", "NO_COLOR", "COLUMNS"):
         monkeypatch.delenv(name, raising=False)
-    save(tmp_path / "straight.toml", make_course().race)
+    save(tmp_path / "straight.toml", make_scenario().race)
     return tmp_path
 
 

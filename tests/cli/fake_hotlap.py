@@ -13,14 +13,15 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from fake_world import FakeWorld, make_course
+from fake_world import FakeWorld, make_scenario
 from first_guess.small import DEFAULT, make_race, make_set
-from hotlap import preparation, worlds
+from hotlap import worlds
 from hotlap.cli import flying
-from hotlap.errors import UnknownNameError
+from hotlap.core.errors import UnknownNameError
+from hotlap.core.records import Log
 from hotlap.first_guess import guess
-from hotlap.records import Log
-from hotlap.segmentation import Rule, segment
+from hotlap.planning import preparation
+from hotlap.reference.segmentation import SegmentationRule, segment
 
 
 @dataclass
@@ -29,17 +30,17 @@ class Loud(FakeWorld):
 
     loud: bool = False
 
-    def needs_compiling(self, course) -> bool:  # noqa: ARG002
+    def needs_compiling(self, scenario) -> bool:  # noqa: ARG002
         return True
 
     def prepare(self, _):
         pass
 
-    def fly(self, course, parameters, seeds, *, truth=None, log=()):
+    def fly(self, scenario, parameters, seeds, *, vehicle_parameters=None, log=()):
         if self.loud:
             sys.stderr.write("flying\n")
             sys.stderr.flush()
-        flights = super().fly(course, parameters, seeds, truth=truth)
+        flights = super().fly(scenario, parameters, seeds, vehicle_parameters=vehicle_parameters)
         steps = np.zeros(3)
         return replace(flights, logs={i: Log(steps, np.zeros((3, 13)), np.zeros((3, 4)), np.full((3, 4), np.nan)) for i in log})
 
@@ -73,10 +74,14 @@ MODULES = {
 LEARNT = make_set(make_race("straight", "8"), candidates=(DEFAULT,))
 REPLACEMENTS: list[tuple[Any, str, Any]] = [
     (worlds, "build", build),
-    (preparation, "plan", lambda *_, **__: make_course().reference),
+    (preparation, "plan", lambda *_, **__: make_scenario().reference),
     (flying, "shipped", lambda: LEARNT),
     (guess, "shipped", lambda: LEARNT),
-    (preparation, "segment", lambda reference, rule: make_course().segments if rule is Rule.PAPER else segment(reference, rule)),
+    (
+        preparation,
+        "segment",
+        lambda reference, rule: make_scenario().segments if rule is SegmentationRule.PAPER else segment(reference, rule),
+    ),
 ]
 """What to put in place of what flies, plans and draws."""
 

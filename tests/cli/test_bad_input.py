@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
-from fake_world import make_course
-from hotlap.files import save_parameters
-from hotlap.saved_parameters import SavedParameters
+from fake_world import make_scenario
+from hotlap.files.descriptions import save_parameters
+from hotlap.files.parameters_file import SavedParameters
 
 PARAMETERS = """race = "straight"
 names = ["Q_pos_xy", "Q_pos_z", "Q_attitude", "Q_velocity", "horizon"]
@@ -58,7 +58,7 @@ CASES = {
     "tune circle-34 --seed -1": "--seed: must be from 0 to",
     "tune circle-34 --batch 0": "--batch: must be from 1",
     "tune circle-34 --confirm -1": "--confirm: must be from 0",
-    "tune circle-34 --worlds -1": "--worlds: must be from 0",
+    "tune circle-34 --samples -1": "--samples: must be from 0",
     "tune circle-34 --randomise 0.95": "--randomise: must be from 0 to 0.9",
     "tune circle-34 --randomise -0.1": "--randomise: must be a fraction",
     "tune circle-34 --validation -1": "--validation: must be from 0",
@@ -156,7 +156,7 @@ def test_bad_input_is_one_clear_line(hotlap, line, as_json):
 @pytest.mark.parametrize("line", ["tnue circle-34", "tune circle-34 --budget many", "check missing.toml", "new boat mine"])
 def test_the_same_from_a_shell(here, environment, line):
     ran = subprocess.run(
-        [sys.executable, "-m", "hotlap.cli", *line.split()], capture_output=True, text=True, check=False, cwd=here, env=environment
+        [sys.executable, "-m", "hotlap", *line.split()], capture_output=True, text=True, check=False, cwd=here, env=environment
     )
     assert (ran.returncode, ran.stdout) == (2, "")
     assert ran.stderr.startswith(f"hotlap: {CASES[line]}")
@@ -165,7 +165,7 @@ def test_the_same_from_a_shell(here, environment, line):
 
 def test_an_argument_that_is_no_text_is_one_line_too(here, environment):
     ran = subprocess.run(
-        [sys.executable, "-m", "hotlap.cli", "check", b"\xff.toml"], capture_output=True, check=False, cwd=here, env=environment
+        [sys.executable, "-m", "hotlap", "check", b"\xff.toml"], capture_output=True, check=False, cwd=here, env=environment
     )
     assert (ran.returncode, ran.stdout) == (2, b"")
     assert ran.stderr == b"hotlap: \\udcff.toml: there is no such file\n"
@@ -181,8 +181,8 @@ def test_bad_input_leaves_no_folder_behind(hotlap, here):
 
 @pytest.mark.usefixtures("faked")
 def test_parameters_of_a_race_with_the_same_segments_are_flown_with_a_note(hotlap, here):
-    course = make_course()
-    saved = SavedParameters("another", course.space.names, course.segments, course.space.first_guess(2))
+    scenario = make_scenario()
+    saved = SavedParameters("another", scenario.space.names, scenario.segments, scenario.space.first_guess(2))
     save_parameters(here / "other.toml", saved)
     ran = hotlap("fly", "straight.toml", "--parameters", "other.toml", "--flights", "3")
     assert ran.code == 0

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from hotlap.cli.arguments import EXPORTS
-from hotlap.export import FORMATS
+from hotlap.exporters import FORMATS
 
 TUNE = ("tune", "straight.toml", "--out", "study", "--validation", "20")
 

@@ -8,11 +8,11 @@ import math
 import pytest
 
 from hotlap.analysis import fastest as search
-from hotlap.analysis.fastest import Knobs, Trial, first_knobs
+from hotlap.analysis.fastest import PlanSettings, Trial, first_plan_settings
 from hotlap.cli import fastest, main
-from hotlap.files import load_parameters, load_race
-from hotlap.race import Race
-from hotlap.tuning import TuningSettings
+from hotlap.files.descriptions import load_parameters, load_race
+from hotlap.race.race import Race
+from hotlap.tuning.loop import TuningSettings
 
 RACE = load_race("circle-20")
 SETTINGS = TuningSettings(budget=60, reliability=0.95, validation=40)
@@ -23,11 +23,13 @@ def formula(limit: float):
     tried = []
 
     def do(trials):
-        tried.extend(trial.knobs for trial in trials.values())
+        tried.extend(trial.plan_settings for trial in trials.values())
         return {key: answer(trial) for key, trial in trials.items()}
 
     def answer(trial: Trial):
-        effort = math.log(trial.knobs.v_max) + math.log(trial.knobs.tolerance) / 4 + 2 * math.log(trial.knobs.thrust)
+        effort = (
+            math.log(trial.plan_settings.v_max) + math.log(trial.plan_settings.tolerance) / 4 + 2 * math.log(trial.plan_settings.thrust)
+        )
         lap = 30 - effort
         return {"lap": lap, "planned": lap, "rate": 1.0 if effort < limit else 0.5, "flights": 1, "parameters": [[1.0] * 5], "reason": ""}
 
@@ -36,10 +38,10 @@ def formula(limit: float):
 
 def test_it_goes_as_far_as_what_is_tried_holds():
     (do, tried), (judge, _) = formula(3.2), formula(3.2)
-    knobs, found = search.fastest(RACE, "guided_walk", SETTINGS, do, judge)
+    plan_settings, found = search.fastest(RACE, "guided_walk", SETTINGS, do, judge)
     assert found["lap"] == pytest.approx(30 - 3.2, abs=0.1)
     assert len({one.key for one in tried}) == len(tried)
-    assert knobs.tolerance <= search.NEAREST_GATE * RACE.judge.distance
+    assert plan_settings.tolerance <= search.NEAREST_GATE * RACE.judge.distance
 
 
 def test_what_held_by_luck_is_passed_over():
@@ -47,18 +49,18 @@ def test_what_held_by_luck_is_passed_over():
     unlucky = search.fastest(RACE, "guided_walk", SETTINGS, do, do)[0].key
 
     def judge(trials):
-        return {key: {"lap": 1.0, "rate": 0.9 if trial.knobs.key == unlucky else 1.0} for key, trial in trials.items()}
+        return {key: {"lap": 1.0, "rate": 0.9 if trial.plan_settings.key == unlucky else 1.0} for key, trial in trials.items()}
 
-    knobs, found = search.fastest(RACE, "guided_walk", SETTINGS, do, judge)
-    assert knobs.key in {one.key for one in tried} - {unlucky}
+    plan_settings, found = search.fastest(RACE, "guided_walk", SETTINGS, do, judge)
+    assert plan_settings.key in {one.key for one in tried} - {unlucky}
     assert found["lap"] == 1.0
     assert search.fastest(RACE, "guided_walk", SETTINGS, do, lambda trials: {key: {"lap": 1.0, "rate": 0.9} for key in trials}) is None
 
 
 def test_a_plan_that_cannot_be_flown_is_slowed_down_first():
     do, _ = formula(2.0)
-    knobs, found = search.fastest(RACE, "guided_walk", SETTINGS, do, do)
-    assert knobs.v_max < RACE.planning.v_max
+    plan_settings, found = search.fastest(RACE, "guided_walk", SETTINGS, do, do)
+    assert plan_settings.v_max < RACE.planning.v_max
     assert found["rate"] == 1.0
 
 
@@ -70,16 +72,18 @@ def test_where_nothing_holds_there_is_no_result():
 
 def test_the_nearest_to_holding_is_kept_in_mind():
     """Nothing around the first plan comes near; smaller steps do."""
-    first = first_knobs(RACE)
+    first = first_plan_settings(RACE)
 
     def do(trials):
-        away = {key: abs(math.log(trial.knobs.v_max / first.v_max)) for key, trial in trials.items()}
+        away = {key: abs(math.log(trial.plan_settings.v_max / first.v_max)) for key, trial in trials.items()}
         rates = {key: 0.94 if far == 0 else 1.0 if far < 0.1 else 0.1 for key, far in away.items()}
         plain = {"lap": 10.0, "planned": 10.0, "flights": 1, "parameters": [[1.0] * 5], "reason": ""}
-        return {key: {**plain, "rate": rate if trials[key].knobs.tolerance == first.tolerance else 0.1} for key, rate in rates.items()}
+        return {
+            key: {**plain, "rate": rate if trials[key].plan_settings.tolerance == first.tolerance else 0.1} for key, rate in rates.items()
+        }
 
-    knobs, _ = search.fastest(RACE, "guided_walk", SETTINGS, do, do)
-    assert abs(math.log(knobs.v_max / first.v_max)) < 0.1
+    plan_settings, _ = search.fastest(RACE, "guided_walk", SETTINGS, do, do)
+    assert abs(math.log(plan_settings.v_max / first.v_max)) < 0.1
 
 
 def test_a_search_ends_where_there_is_no_plan_at_all():
@@ -96,22 +100,25 @@ def test_a_search_ends_where_there_is_no_plan_at_all():
 @pytest.mark.parametrize("mass", [0.4, 1.6])
 def test_a_plan_asks_for_no_more_than_vehicle_and_controller_can(mass):
     race = RACE.model_copy(update={"vehicle": RACE.vehicle.model_copy(update={"mass": mass})})
-    most = max(knobs.applied(race).planned.max_acceleration for knobs in search.neighbours(race, Knobs(20.0, 0.2, 1.4), 1.0))
+    most = max(
+        plan_settings.applied(race).planning_model.max_acceleration
+        for plan_settings in search.neighbours(race, PlanSettings(20.0, 0.2, 1.4), 1.0)
+    )
     possible = min(race.vehicle.max_acceleration, 0.95 * race.controller.thrust[1])
-    assert most <= max(possible, race.planned.max_acceleration) + 1e-9
+    assert most <= max(possible, race.planning_model.max_acceleration) + 1e-9
 
 
 def test_what_is_tried_can_be_written_as_a_race():
-    for knobs in search.neighbours(RACE, Knobs(195.0, 4.9), 1.0):
-        Race.model_validate(knobs.applied(RACE).model_dump())
+    for plan_settings in search.neighbours(RACE, PlanSettings(195.0, 4.9), 1.0):
+        Race.model_validate(plan_settings.applied(RACE).model_dump())
 
 
 def test_knobs_say_what_is_planned_with():
-    race = Knobs(25.0, 0.3, 1.1).applied(RACE)
+    race = PlanSettings(25.0, 0.3, 1.1).applied(RACE)
     assert (race.planning.v_max, race.planning.tolerance) == (25.0, 0.3)
-    assert race.planned.rotor_thrust[1] == pytest.approx(1.1 * RACE.planned.rotor_thrust[1])
+    assert race.planning_model.rotor_thrust[1] == pytest.approx(1.1 * RACE.planning_model.rotor_thrust[1])
     assert race.vehicle == RACE.vehicle
-    assert first_knobs(RACE).applied(RACE).planned.rotor_thrust == RACE.planned.rotor_thrust
+    assert first_plan_settings(RACE).applied(RACE).planning_model.rotor_thrust == RACE.planning_model.rotor_thrust
 
 
 def test_a_faster_race_is_written_with_parameters_that_fly_it(tmp_path, monkeypatch, capsys):
@@ -133,7 +140,7 @@ def test_a_faster_race_is_written_with_parameters_that_fly_it(tmp_path, monkeypa
 
 
 @pytest.mark.parametrize(
-    "option", [("--first-guess", "default"), ("--segments", "none"), ("--randomise", "0.1"), ("--worlds", "3"), ("--reliability", "0.5")]
+    "option", [("--first-guess", "default"), ("--segments", "none"), ("--randomise", "0.1"), ("--samples", "3"), ("--reliability", "0.5")]
 )
 def test_what_has_no_meaning_for_it_is_said(option, capsys):
     assert main(["tune", "circle-20", "--goal", "lap_time", *option]) == 2

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hotlap.cli.fly import COLUMNS
-from hotlap.seeds import Stream, flight_seeds
+from hotlap.core.seeds import Stream, flight_seeds
 
 pytestmark = pytest.mark.usefixtures("faked")
 KEYS = {"seed", "completion", "lap_time", "cost", "end", "failed_segment", "mean_error", "max_error"}

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from hotlap.cli.inputs import check_target
-from hotlap.errors import InputError
+from hotlap.core.errors import InputError
 
 
 @pytest.fixture

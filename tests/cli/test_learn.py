@@ -8,10 +8,10 @@ import pytest
 from hotlap.analysis import learning
 from hotlap.analysis.learning import SPEEDS, Lesson, fly_lesson, lessons
 from hotlap.cli import main
-from hotlap.files import Kind, load_race, load_track, names
+from hotlap.files.descriptions import Kind, load_race, load_track, names
 from hotlap.first_guess.guess import first_guess
 from hotlap.first_guess.training_set import load_training_set
-from hotlap.preparation import prepare
+from hotlap.planning.preparation import prepare
 
 RACES = ("circle-20", "airsim-circle-20")  # the default weights fly both
 
@@ -34,8 +34,8 @@ def test_it_learns_what_flies(tmp_path, capsys):
     assert training.passed.max(axis=1).tolist() == [1.0, 1.0]
     assert training.candidates[0] == load_race("circle-20").controller.default
     assert f"begin with it: hotlap tune RACE --first-guess {tmp_path}" in capsys.readouterr().out
-    course = prepare("circle-20")
-    assert tuple(first_guess(course, "learned", training)[0].tolist()) in training.candidates
+    scenario = prepare("circle-20")
+    assert tuple(first_guess(scenario, "learned", training)[0].tolist()) in training.candidates
 
 
 def test_what_was_interrupted_ends_as_if_it_had_not_been(tmp_path, capsys):
@@ -83,8 +83,8 @@ def test_every_vehicle_flies_every_layout_at_every_speed_and_soccer_medium():
 
 
 def test_lessons_differ_in_who_flies():
-    courses = {lesson.vehicle: lesson.race for lesson in lessons()}
-    assert len({race.vehicle.fingerprint + race.believed.fingerprint for race in courses.values()}) == len(SPEEDS)
-    assert courses["hummingbird"].believed.delay == courses["hummingbird"].vehicle.delay > 0
-    assert courses["racer, late"].believed.delay < courses["racer, late"].vehicle.delay
-    assert np.isclose(courses["racer"].controller.thrust[1], 32.0)
+    scenarios = {lesson.vehicle: lesson.race for lesson in lessons()}
+    assert len({race.vehicle.fingerprint + race.control_model.fingerprint for race in scenarios.values()}) == len(SPEEDS)
+    assert scenarios["hummingbird"].control_model.delay == scenarios["hummingbird"].vehicle.delay > 0
+    assert scenarios["racer, late"].control_model.delay < scenarios["racer, late"].vehicle.delay
+    assert np.isclose(scenarios["racer"].controller.thrust[1], 32.0)

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from hotlap import __version__
 from hotlap.cli.arguments import COMMANDS, GOALS, KINDS
 from hotlap.cli.main import main
-from hotlap.files import Kind
-from hotlap.goal import FORMS
+from hotlap.core.version import __version__
+from hotlap.files.descriptions import Kind
+from hotlap.tuning.goal import FORMS
 
-PROGRAM = [sys.executable, "-m", "hotlap.cli"]
+PROGRAM = [sys.executable, "-m", "hotlap"]
 HEAVY = {"numba", "casadi", "matplotlib", "scipy", "sklearn", "numpy", "pydantic", "rich", "cmaes"}
 
 

@@ -10,10 +10,10 @@ import time
 import numpy as np
 import pytest
 
-from fake_world import make_course
+from fake_world import make_scenario
 from hotlap.cli.arguments import RULES
-from hotlap.reference_csv import load_reference, save_reference
-from hotlap.segmentation import SegmentClass, Segments
+from hotlap.planning.reference_csv import load_reference, save_reference
+from hotlap.reference.segmentation import SegmentClass, Segments
 
 
 @pytest.mark.usefixtures("faked")
@@ -41,12 +41,12 @@ def test_json_has_the_keys_that_are_relied_on(hotlap):
 def test_a_plan_that_is_written_is_one_that_can_be_read(hotlap, here):
     ran = hotlap("plan", "straight.toml", "--out", "plan.csv", "--json")
     assert ran.document["csv"] == "plan.csv"
-    assert load_reference(here / "plan.csv", make_course().race).lap_time == pytest.approx(5.0, abs=0.05)
+    assert load_reference(here / "plan.csv", make_scenario().race).lap_time == pytest.approx(5.0, abs=0.05)
 
 
 def test_a_reference_is_read_instead_of_planning(hotlap, here, monkeypatch):
-    save_reference(here / "plan.csv", make_course().reference)
-    monkeypatch.setattr("hotlap.preparation.plan", lambda *_: pytest.fail("planned"))
+    save_reference(here / "plan.csv", make_scenario().reference)
+    monkeypatch.setattr("hotlap.planning.preparation.plan", lambda *_: pytest.fail("planned"))
     ran = hotlap("plan", "straight.toml", "--reference", "plan.csv", "--picture", "plan.svg", "--json")
     assert ran.code == 0, ran.err
     assert ran.document["picture"] == "plan.svg"
@@ -58,7 +58,7 @@ def test_a_reference_is_read_instead_of_planning(hotlap, here, monkeypatch):
 def test_planning_can_be_interrupted(here, environment):
     """Ctrl-C in the midst of the solver's own code ends it in order."""
     (here / "long.toml").write_text('base = "final-22"\n[planning]\nnodes = 100\n')  # takes half a minute
-    command = [sys.executable, "-m", "hotlap.cli", "plan", "long.toml"]
+    command = [sys.executable, "-m", "hotlap", "plan", "long.toml"]
     process = subprocess.Popen(command, cwd=here, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     assert process.stderr.readline() == "planning long ...\n"
@@ -80,7 +80,7 @@ def test_a_rule_decides_about_the_segments(hotlap):
 @pytest.mark.usefixtures("faked")
 def test_pieces_that_share_have_the_number_of_their_segment(hotlap, monkeypatch):
     shared = Segments(np.array([0.0, 1.5, 3.5]), (SegmentClass.ASCENT, SegmentClass.FLAT, SegmentClass.ASCENT), 5.0, (0, 1, 0))
-    monkeypatch.setattr("hotlap.preparation.segment", lambda *_: shared)
+    monkeypatch.setattr("hotlap.planning.preparation.segment", lambda *_: shared)
     ran = hotlap("plan", "straight.toml", "--segments", "paper")
     rows = [line.split() for line in ran.out.splitlines() if line.startswith(("  ascent", "  flat"))]
     assert rows == [["ascent", "0.00", "1.50", "1", "1"], ["flat", "1.50", "3.50", "2", "2"], ["ascent", "3.50", "5.00", "2", "1"]]

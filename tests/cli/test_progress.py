@@ -9,8 +9,8 @@ import pytest
 
 from hotlap.cli.output import finite, percent, table, working
 from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe, follow_pieces, follow_stages, pace
-from hotlap.tuning import Candidate
-from hotlap.validation import Validation
+from hotlap.core.success_rate import Validation
+from hotlap.tuning.loop import Candidate
 
 
 def candidate(**changes) -> Candidate:

@@ -7,8 +7,8 @@ from types import ModuleType
 
 import pytest
 
-from fake_world import make_course
-from hotlap.files import Kind, load, names
+from fake_world import make_scenario
+from hotlap.files.descriptions import Kind, load, names
 from hotlap.planning import cache, problem
 
 
@@ -50,8 +50,8 @@ def test_warnings_are_marked_in_words_and_coloured_on_terminals(hotlap, monkeypa
 
 def test_check_knows_the_top_speed_of_a_race_that_was_planned(hotlap):
     assert "top speed about " in hotlap("check", "straight.toml").out
-    reference = make_course().reference
-    cache.save(cache.key(problem.Problem.of(make_course().race)), reference)
+    reference = make_scenario().reference
+    cache.save(cache.key(problem.Problem.of(make_scenario().race)), reference)
     assert f"top speed {reference.speeds.max():.0f} m/s" in hotlap("check", "straight.toml").out
 
 
@@ -108,9 +108,9 @@ class Bench:
 
 
 def test_bench_measures_and_prints(hotlap, monkeypatch):
-    module = ModuleType("hotlap.bench")
+    module = ModuleType("hotlap.analysis.speed")
     vars(module).update(STAGES=1, measure=lambda report: report("measuring ...") or Bench())
-    monkeypatch.setitem(sys.modules, "hotlap.bench", module)
+    monkeypatch.setitem(sys.modules, "hotlap.analysis.speed", module)
     monkeypatch.delitem(sys.modules, "hotlap.cli.bench", raising=False)
     ran = hotlap("bench")
     assert (ran.code, ran.out, ran.err) == (0, "fast enough\n", "measuring ...\n")

@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fake_world import make_course
+from fake_world import make_scenario
 from first_guess.small import DEFAULT, GOOD, make_race, make_set
-from hotlap import __version__
 from hotlap.cli import main
-from hotlap.database import FILE
-from hotlap.files import load_parameters, save
+from hotlap.core.version import __version__
+from hotlap.files.descriptions import load_parameters, save
 from hotlap.first_guess.training_set import write_training_set
-from hotlap.study import Study
+from hotlap.study.database import FILE
+from hotlap.study.study import Study
 
 PROGRAM = [sys.executable, str(Path(__file__).parent / "fake_hotlap.py")]
 EASY = ("tune", "straight.toml", "--seed", "1", "--validation", "50")
@@ -109,7 +109,7 @@ def test_parameters_say_where_they_come_from(hotlap, here):
     provenance = load_parameters(here / "mine").provenance
     assert provenance["hotlap"] == __version__
     assert re.fullmatch("[0-9a-f]{16}", str(provenance["study"]))
-    assert (provenance["tuner"], provenance["goal"], provenance["seed"]) == ("gatewise:default", "completion=1", 1)
+    assert (provenance["tuner"], provenance["goal"], provenance["seed"]) == ("gate_gp:default", "completion=1", 1)
     assert (provenance["confirmed"], provenance["validation_flights"]) == (True, 50)
     assert provenance["validated_low"] <= provenance["validated_rate"] <= provenance["validated_high"]
 
@@ -186,12 +186,12 @@ def test_what_was_learnt_about_another_controller_is_no_guess(hotlap, here):
 
 
 def test_a_race_that_cannot_be_planned_is_exit_1(hotlap, monkeypatch):
-    from hotlap.errors import PlanningError  # noqa: PLC0415
+    from hotlap.core.errors import PlanningError  # noqa: PLC0415
 
     def fail(*_, **__):
         raise PlanningError("straight", 3, "the gate lies below the floor")
 
-    monkeypatch.setattr("hotlap.preparation.plan", fail)
+    monkeypatch.setattr("hotlap.planning.preparation.plan", fail)
     ran = hotlap(*EASY, "--json")
     assert (ran.code, ran.out) == (1, "")
     assert ran.err.endswith("hotlap: no plan for straight, gate 3: the gate lies below the floor\n")
@@ -296,7 +296,7 @@ def test_two_at_once_on_one_study_are_refused(hotlap, here, environment):
 
 
 def test_names_that_a_shell_would_take_apart_come_back_whole(hotlap, here):
-    save(here / "my race.toml", make_course().race)
+    save(here / "my race.toml", make_scenario().race)
     ran = hotlap("tune", "my race.toml", "--seed", "1", "--out", "my study")
     assert ran.out.endswith("fly it again: hotlap fly 'my race.toml' --parameters 'my study'\n")
 

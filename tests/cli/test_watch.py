@@ -57,7 +57,7 @@ def test_a_finished_study_is_served_and_nothing_is_new(finished, environment):
     with watching(environment, finished) as (_, address):
         answer, page = ask(address, "/")
         assert answer.status == 200
-        assert re.search(r"<title>straight: gatewise:default - hotlap</title>", page)
+        assert re.search(r"<title>straight: gate_gp:default - hotlap</title>", page)
         found = re.search(r'type="application/json">(.*?)</script>', page, re.DOTALL)
         assert found
         document = json.loads(found[1])

@@ -8,7 +8,7 @@ import pytest
 
 from docs.pages import program
 from hotlap.cli.arguments import COMMANDS
-from hotlap.quadrotor import Quadrotor
+from hotlap.race.quadrotor import Quadrotor
 
 nodes = pytest.importorskip("docutils.nodes", reason="make docs installs it")
 commands, docstrings, interface, mathematics, pairs = (
@@ -72,7 +72,7 @@ def test_pairs_of_numbers_are_tied_in_tables_only():
 
 def test_every_public_name_has_a_row_that_leads_to_its_module():
     rows = interface.names()
-    assert "`prepare <hotlap.preparation.prepare>`" in rows
+    assert "`prepare <hotlap.planning.preparation.prepare>`" in rows
     assert "| Make a race ready to fly" in rows
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from hotlap.first_guess.features import OF_A_PIECE, OF_A_RACE
 from hotlap.first_guess.training_set import TrainingPiece, TrainingRace, TrainingSet
-from hotlap.segments import SegmentClass
+from hotlap.reference.segments import SegmentClass
 
 NAMES = ("Q_pos_xy", "Q_pos_z", "Q_attitude", "Q_velocity", "horizon")
 DEFAULT = (200.0, 500.0, 50.0, 10.0, 4.0)

@@ -7,23 +7,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fake_world import make_course
-from flight import courses
-from hotlap.course import Course
+from fake_world import make_scenario
+from flight import scenarios
 from hotlap.first_guess.features import OF_A_PIECE, OF_A_RACE, PAPER, piece_features, race_features
-from hotlap.race import JudgeSettings, Rule
+from hotlap.race.race import GateRule, JudgeSettings
+from hotlap.reference.scenario import Scenario
 
 EVERY = (*OF_A_PIECE, *OF_A_RACE)
 
 
-def climbing(speed: float, slope: float, acceleration: float = 0.0) -> Course:
+def climbing(speed: float, slope: float, acceleration: float = 0.0) -> Scenario:
     """A straight line, with a first piece of 2.5 s."""
-    course = make_course()
-    t = course.reference.times
+    scenario = make_scenario()
+    t = scenario.reference.times
     along = speed * t + acceleration * t**2 / 2
     way = np.array([np.cos(slope), 0.0, np.sin(slope)])
     velocity = (speed + acceleration * t)[:, None] * way
-    return replace(course, reference=replace(course.reference, position=along[:, None] * way, velocity=velocity))
+    return replace(scenario, reference=replace(scenario.reference, position=along[:, None] * way, velocity=velocity))
 
 
 def test_the_five_of_the_paper_on_a_straight_line():
@@ -41,33 +41,33 @@ def test_a_vertical_piece_has_a_slope(slope):
 
 
 def test_there_is_a_row_for_each_piece_and_one_for_the_race():
-    course = courses.make_course()
-    assert piece_features(course, EVERY).shape == (len(course.segments.pieces), len(EVERY))
-    assert race_features(course, EVERY).shape == (len(EVERY),)
-    assert np.isfinite(piece_features(course, EVERY)).all()
-    rows = piece_features(course, tuple(OF_A_RACE))
-    np.testing.assert_array_equal(rows, np.tile(race_features(course, tuple(OF_A_RACE)), (2, 1)))
+    scenario = scenarios.make_scenario()
+    assert piece_features(scenario, EVERY).shape == (len(scenario.segments.pieces), len(EVERY))
+    assert race_features(scenario, EVERY).shape == (len(EVERY),)
+    assert np.isfinite(piece_features(scenario, EVERY)).all()
+    rows = piece_features(scenario, tuple(OF_A_RACE))
+    np.testing.assert_array_equal(rows, np.tile(race_features(scenario, tuple(OF_A_RACE)), (2, 1)))
 
 
 def test_moving_and_turning_a_track_changes_nothing():
-    course = courses.make_course()
-    reference, turn = course.reference, np.array([[0.6, -0.8, 0], [0.8, 0.6, 0], [0, 0, 1]])
+    scenario = scenarios.make_scenario()
+    reference, turn = scenario.reference, np.array([[0.6, -0.8, 0], [0.8, 0.6, 0], [0, 0, 1]])
     moved = replace(reference, position=reference.position @ turn.T + [5, -3, 2], velocity=reference.velocity @ turn.T)
-    np.testing.assert_allclose(piece_features(replace(course, reference=moved), EVERY), piece_features(course, EVERY), atol=1e-9)
+    np.testing.assert_allclose(piece_features(replace(scenario, reference=moved), EVERY), piece_features(scenario, EVERY), atol=1e-9)
 
 
 def test_who_flies_is_told():
-    late = courses.make_course(vehicle={"delay": 0.04}, model={"delay": 0.03}, judge={"rule": Rule.CLOSEST})
+    late = scenarios.make_scenario(vehicle={"delay": 0.04}, model={"delay": 0.03}, judge={"rule": GateRule.CLOSEST})
     weight, delay, response, closest = race_features(late, tuple(OF_A_RACE))
     assert weight == pytest.approx(late.race.vehicle.thrust_to_weight)
     assert delay == pytest.approx(0.01)
     assert response == pytest.approx(0.07 + 0.01875)
     assert closest == 1.0
-    blind = courses.make_course(vehicle={"delay": 0.04}, model={"delay": 0.03}, controller={"predict": False})
+    blind = scenarios.make_scenario(vehicle={"delay": 0.04}, model={"delay": 0.03}, controller={"predict": False})
     assert race_features(blind, ("unknown_delay", "closest")).tolist() == [pytest.approx(0.04), 0.0]
 
 
 def test_a_piece_of_no_time_has_features():
-    course = make_course(JudgeSettings())
-    short = replace(course, segments=replace(course.segments, starts=np.array([0.0, 5.0])))
+    scenario = make_scenario(JudgeSettings())
+    short = replace(scenario, segments=replace(scenario.segments, starts=np.array([0.0, 5.0])))
     assert np.isfinite(piece_features(short, EVERY)).all()

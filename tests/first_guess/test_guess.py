@@ -7,29 +7,29 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fake_world import make_course
+from fake_world import make_scenario
 from first_guess.small import DEFAULT, GOOD, NAMES, make_race, make_set
-from hotlap.controllers import ControllerKind
-from hotlap.errors import UnknownNameError
+from hotlap.core.errors import UnknownNameError
 from hotlap.first_guess.guess import DEFAULT as AUTHORS
 from hotlap.first_guess.guess import NAMES as GUESSES
 from hotlap.first_guess.guess import first_guess
+from hotlap.race.controllers import ControllerKind
 
-COURSE, TRAINING = make_course(), make_set(make_race("a", "080"))
+SCENARIO, TRAINING = make_scenario(), make_set(make_race("a", "080"))
 
 
 def controlled(**changes):
-    settings = COURSE.race.controller.model_copy(update=changes)
-    return replace(COURSE, race=COURSE.race.model_copy(update={"controller": settings}))
+    settings = SCENARIO.race.controller.model_copy(update=changes)
+    return replace(SCENARIO, race=SCENARIO.race.model_copy(update={"controller": settings}))
 
 
 @pytest.mark.parametrize("name", [name for name in GUESSES if name != AUTHORS])
 def test_it_is_learnt_for_every_segment(name):
-    np.testing.assert_allclose(first_guess(COURSE, name, TRAINING), [GOOD, GOOD], rtol=1e-9)
+    np.testing.assert_allclose(first_guess(SCENARIO, name, TRAINING), [GOOD, GOOD], rtol=1e-9)
 
 
 def test_the_default_is_the_authors():
-    assert first_guess(COURSE, AUTHORS, TRAINING).tolist() == [list(DEFAULT)] * 2
+    assert first_guess(SCENARIO, AUTHORS, TRAINING).tolist() == [list(DEFAULT)] * 2
 
 
 @pytest.mark.parametrize("name", [name for name in GUESSES if name != AUTHORS])
@@ -39,13 +39,13 @@ def test_it_knows_other_units_of_the_horizon_and_keeps_to_the_bounds(name):
 
 
 def test_nothing_is_learnt_about_other_controllers():
-    course = replace(COURSE, race=COURSE.race.with_controller(ControllerKind.GEOMETRIC))
-    assert course.space.names != NAMES
-    assert first_guess(course, training=TRAINING).tolist() == course.space.first_guess(2).tolist()
+    scenario = replace(SCENARIO, race=SCENARIO.race.with_controller(ControllerKind.GEOMETRIC))
+    assert scenario.space.names != NAMES
+    assert first_guess(scenario, training=TRAINING).tolist() == scenario.space.first_guess(2).tolist()
 
 
 def test_an_unknown_name_is_said_with_those_that_are_known():
     with pytest.raises(
         UnknownNameError, match=r"no first guess named 'learnt' \(did you mean learned\?\); available: default, learned, paper"
     ):
-        first_guess(COURSE, "learnt", TRAINING)
+        first_guess(SCENARIO, "learnt", TRAINING)

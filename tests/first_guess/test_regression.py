@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fake_world import make_course
+from fake_world import make_scenario
 from first_guess.small import AWAY, DEFAULT, GOOD, OTHER, make_piece, make_race, make_set
 from hotlap.first_guess.features import OF_A_RACE, race_features
 from hotlap.first_guess.regression import REGRESSORS, Regression
-from hotlap.segments import SegmentClass, Segments
+from hotlap.reference.segments import SegmentClass, Segments
 
-COURSE = make_course()  # a flat piece, then an ascent
-BOX = tuple(race_features(COURSE, (*OF_A_RACE, "mean_speed")).tolist())
+SCENARIO = make_scenario()  # a flat piece, then an ascent
+BOX = tuple(race_features(SCENARIO, (*OF_A_RACE, "mean_speed")).tolist())
 FLAT, ASCENT = SegmentClass.FLAT, SegmentClass.ASCENT
 
 
@@ -29,8 +29,8 @@ def taught_by_speed(kind: SegmentClass = FLAT, count: int = 41) -> list:
 
 
 def at_speed(speed: float):
-    velocity = np.tile([speed, 0.0, 0.0], (len(COURSE.reference.velocity), 1))
-    return replace(COURSE, reference=replace(COURSE.reference, velocity=velocity))
+    velocity = np.tile([speed, 0.0, 0.0], (len(SCENARIO.reference.velocity), 1))
+    return replace(SCENARIO, reference=replace(SCENARIO.reference, velocity=velocity))
 
 
 @pytest.mark.parametrize("name", [name for name in REGRESSORS if name != "median"])
@@ -43,17 +43,17 @@ def test_what_depends_on_a_feature_is_predicted_from_it(name):
 
 def test_a_class_learns_from_its_own_pieces():
     flat, ascent = taught_by_speed(), [race.model_copy(update={"tuned": OTHER}) for race in taught_by_speed(ASCENT)]
-    guess = Regression("median")(COURSE, make_set(*flat, *ascent))
+    guess = Regression("median")(SCENARIO, make_set(*flat, *ascent))
     np.testing.assert_allclose(guess, [scaled(1.0), OTHER], rtol=1e-9)
 
 
 def test_a_class_that_nobody_flew_learns_from_all():
-    guess = Regression("median")(COURSE, make_set(*taught_by_speed()))
+    guess = Regression("median")(SCENARIO, make_set(*taught_by_speed()))
     np.testing.assert_allclose(guess[1], scaled(1.0), rtol=1e-9)
 
 
 def test_few_pieces_give_their_median():
-    guess = Regression()(COURSE, make_set(*taught_by_speed(count=5)))
+    guess = Regression()(SCENARIO, make_set(*taught_by_speed(count=5)))
     np.testing.assert_allclose(guess[0], scaled(1.0), rtol=1e-9)
 
 
@@ -61,15 +61,15 @@ def test_other_vehicles_and_what_does_not_hold_are_not_learnt_from():
     own = taught_by_speed(count=3)
     foreign = make_race("x", "080", features=AWAY, tuned=OTHER, vehicle="other")
     loose, failed = (make_race("y", "080", features=BOX, **changes) for changes in ({"tuned": OTHER, "validated": 0.5}, {"tuned": None}))
-    guess = Regression("median")(COURSE, make_set(*own, foreign, loose, failed))
+    guess = Regression("median")(SCENARIO, make_set(*own, foreign, loose, failed))
     np.testing.assert_allclose(guess[0], scaled(1.0), rtol=1e-9)
     with pytest.raises(ValueError, match="no training race holds"):
-        Regression()(COURSE, make_set(loose, failed))
+        Regression()(SCENARIO, make_set(loose, failed))
 
 
 def test_a_segment_of_several_pieces_gets_the_mean_of_their_logarithms_by_time():
     segments = Segments(np.array([0.0, 2.5, 3.75]), (FLAT, ASCENT, FLAT), 5.0, (0, 1, 0))
     flat = [race.model_copy(update={"tuned": GOOD}) for race in taught_by_speed()]
     ascent = [race.model_copy(update={"tuned": DEFAULT}) for race in taught_by_speed(ASCENT)]
-    guess = Regression("median")(replace(COURSE, segments=segments), make_set(*flat, *ascent))
+    guess = Regression("median")(replace(SCENARIO, segments=segments), make_set(*flat, *ascent))
     np.testing.assert_allclose(guess, [GOOD, DEFAULT], rtol=1e-9)

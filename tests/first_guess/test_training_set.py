@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from first_guess.small import DEFAULT, GOOD, OTHER, make_race, make_set
-from hotlap.errors import InputError
-from hotlap.files import Kind, load_track, names
+from hotlap.core.errors import InputError
+from hotlap.files.descriptions import Kind, load_track, names
 from hotlap.first_guess.training_set import load_training_set, shipped, write_training_set
 
 LEAST = make_set(make_race("a", "048", own=(1,)), make_race("b", "840", own=(2,)), make_race("a", "444", own=(1, 0)))

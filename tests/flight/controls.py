@@ -8,60 +8,60 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from hotlap.flight.batch import prepare, settings_of
-from hotlap.flight.control import aim, begin_control, control
-from hotlap.flight.handover import FRESH
+from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
+from hotlap.flight.fly import prepare, settings_of
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.lanes import as_numbers, borrow
 from hotlap.flight.mpc import Mpc, allocate_mpc
+from hotlap.flight.mpc_step import aim, begin_control, control
 from hotlap.flight.numbers import COMPILE, Numbers
-from hotlap.flight.pilot import Pilot, allocate_pilot, begin_pilot
+from hotlap.flight.segment_switch import FRESH
 
-from . import courses, stages
+from . import scenarios, stages
 
 LOW, HIGH = np.array([0.1, -10.0, -10.0, -3.0]), np.array([20.0, 10.0, 10.0, 3.0])
 SPACING, GRAVITY = 0.1, 9.81
 
 
 @njit(**COMPILE)
-def control_step(s: Settings, mpc: Mpc, pilot: Pilot) -> None:
+def control_step(s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     """From the state seen to the command; raw memory of one lane."""
-    control(s, as_numbers(borrow(mpc), 0), as_numbers(borrow(pilot), 0))
+    control(s, as_numbers(borrow(mpc), 0), as_numbers(borrow(loop), 0))
 
 
 def settings(**changes: Any) -> Settings:
     """Of the small race: no prediction."""
-    return settings_of(courses.make_race())._replace(**changes)
+    return settings_of(scenarios.make_race())._replace(**changes)
 
 
-def allocate(nodes: int, commands: int = 3) -> tuple[Mpc, Pilot]:
+def allocate(nodes: int, commands: int = 3) -> tuple[Mpc, ControlLoop]:
     """Memory with the weights, bounds and spacing that stay."""
-    mpc, pilot = allocate_mpc(nodes, 1, np.float64), allocate_pilot(commands, 1, np.float64)
-    mpc.weights[..., 0], mpc.input_weights[:] = courses.TUNED[:4], 1.0
+    mpc, loop = allocate_mpc(nodes, 1, np.float64), allocate_control_loop(commands, 1, np.float64)
+    mpc.weights[..., 0], mpc.input_weights[:] = scenarios.TUNED[:4], 1.0
     mpc.low[:, 0], mpc.high[:, 0] = LOW, HIGH
     mpc.spacing[:], mpc.constants[:] = SPACING, GRAVITY
-    return mpc, pilot
+    return mpc, loop
 
 
 @njit(**COMPILE)
-def aim_step(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, before: int, time: float, elapsed: float) -> int:
+def aim_step(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, before: int, time: float, elapsed: float) -> int:
     """What the lane of flight 0 is to track."""
-    return aim(job, s, mpc, pilot, 0, 0, before, time, elapsed)
+    return aim(job, s, mpc, loop, 0, 0, before, time, elapsed)
 
 
 @njit(**COMPILE)
-def begin(job: Job, s: Settings, mpc: Mpc, pilot: Pilot) -> None:
+def begin(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     """Set the lane up."""
     begin_control(job, s, mpc, 0)
-    begin_pilot(s, pilot, 0)
+    begin_control_loop(s, loop, 0)
 
 
 @cache
 def node() -> Any:
     """The controller's model of a node."""
-    from hotlap import dynamics  # noqa: PLC0415
+    from hotlap.dynamics import models  # noqa: PLC0415
 
-    return dynamics.node_map()
+    return models.node_map()
 
 
 def roll_out(x: np.ndarray, inputs: np.ndarray, h: float = SPACING) -> np.ndarray:
@@ -72,10 +72,10 @@ def roll_out(x: np.ndarray, inputs: np.ndarray, h: float = SPACING) -> np.ndarra
     return np.array(states)
 
 
-def draw_problem(seed: int, nodes: int, *, away: float) -> tuple[Mpc, Pilot]:
+def draw_problem(seed: int, nodes: int, *, away: float) -> tuple[Mpc, ControlLoop]:
     """A flyable reference whose inputs often lie beyond their bounds, the plan on it, and a state that is so far away."""
     rng = np.random.default_rng(seed)
-    mpc, pilot = allocate(nodes)
+    mpc, loop = allocate(nodes)
     inputs = np.array([12.0, 0, 0, 0]) + rng.normal(size=(nodes, 4)) * [7, 7, 7, 3]
     start = stages.draw_state(rng)
     possible = np.clip(inputs, LOW, HIGH)
@@ -83,16 +83,16 @@ def draw_problem(seed: int, nodes: int, *, away: float) -> tuple[Mpc, Pilot]:
     mpc.reference[:, :, 0] = np.hstack([states, np.vstack([inputs, inputs[-1:]])])
     mpc.U[..., 0], mpc.X[..., 0] = possible, states
     scale = away * np.array([1, 1, 1, 0.3, 0.3, 0.3, 2, 2, 2])
-    pilot.seen[:, 0] = stages.moved(start, scale * rng.normal(size=9))
-    return mpc, pilot
+    loop.seen[:, 0] = stages.moved(start, scale * rng.normal(size=9))
+    return mpc, loop
 
 
-def best_plan(mpc: Mpc, pilot: Pilot) -> tuple[np.ndarray, np.ndarray]:
+def best_plan(mpc: Mpc, loop: ControlLoop) -> tuple[np.ndarray, np.ndarray]:
     """States and inputs that solve the quadratic problem around a plan, from the state seen: in dense matrices."""
     linearised = stages.linearised_node_map()
     h, low, high = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0]
     states, inputs, reference = mpc.X[..., 0].copy(), mpc.U[..., 0], mpc.reference[..., 0]
-    states[0] = pilot.seen[:, 0]
+    states[0] = loop.seen[:, 0]
     As, Bs, defects, bounded = [], [], [], []
     for x, u, following in zip(states, inputs, states[1:], strict=False):
         parts = linearised(x, u, following, np.zeros(9), h, low, high, GRAVITY)
@@ -108,18 +108,18 @@ def best_plan(mpc: Mpc, pilot: Pilot) -> tuple[np.ndarray, np.ndarray]:
 
 def three_steps(segment: int) -> list[float]:
     """Commands of three control steps that end in a segment, beside the reference and with a dead time."""
-    race = courses.make_course(model={"delay": 0.025}, controller={"nodes": 4})
-    values = np.array([[courses.TUNED, (100.0, 200.0, 30.0, 4.0, 4.0)]])
+    race = scenarios.make_scenario(model={"delay": 0.025}, controller={"nodes": 4})
+    values = np.array([[scenarios.TUNED, (100.0, 200.0, 30.0, 4.0, 4.0)]])
     job, _ = prepare(race, values, np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
     s = settings_of(race.race)
-    mpc, pilot = allocate_mpc(s.nodes, 1, np.float64), allocate_pilot(4, 1, np.float64)
-    begin(job, s, mpc, pilot)
+    mpc, loop = allocate_mpc(s.nodes, 1, np.float64), allocate_control_loop(4, 1, np.float64)
+    begin(job, s, mpc, loop)
     before, commands = FRESH, []
     for k in range(3):
-        time = courses.BORDER - 0.03 + (k + segment) * s.period - s.lead
-        pilot.seen[:, 0] = courses.make_reference().table[round(time * 100), :10] + 0.05
-        before = aim_step(job, s, mpc, pilot, before, time, s.period)
-        control_step(s, mpc, pilot)
-        commands += pilot.history[0, :, 0].tolist()
+        time = scenarios.BORDER - 0.03 + (k + segment) * s.period - s.lead
+        loop.seen[:, 0] = scenarios.make_reference().table[round(time * 100), :10] + 0.05
+        before = aim_step(job, s, mpc, loop, before, time, s.period)
+        control_step(s, mpc, loop)
+        commands += loop.history[0, :, 0].tolist()
     assert before == segment
     return commands

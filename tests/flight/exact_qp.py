@@ -12,16 +12,16 @@ import daqp
 import numpy as np
 from numba import njit
 
-from hotlap.course import Course
-from hotlap.flight.batch import fly_batch, prepare, settings_of
-from hotlap.flight.control import aim, begin_control, begin_plan
-from hotlap.flight.handover import FRESH
+from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
+from hotlap.flight.fly import fly_batch, prepare, settings_of
 from hotlap.flight.job import Job, Settings
+from hotlap.flight.kernel import Lane, _actuate, _take_flight
 from hotlap.flight.mpc import Mpc, allocate_mpc, solve
+from hotlap.flight.mpc_step import aim, begin_control, begin_plan
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.pilot import Pilot, allocate_pilot, begin_pilot
-from hotlap.flight.plant import Craft, allocate_craft, fly_period
-from hotlap.flight.simulate import Lane, _actuate, _take_flight
+from hotlap.flight.plant import VehicleState, allocate_vehicle_state, fly_period
+from hotlap.flight.segment_switch import FRESH
+from hotlap.reference.scenario import Scenario
 
 from . import stages
 
@@ -29,18 +29,18 @@ INFEASIBLY_FAR = 1e-9  # of an input from its bound: nearer is at the bound
 
 
 @njit
-def begin_one(job: Job, s: Settings, mpc: Mpc, pilot: Pilot) -> None:
+def begin_one(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     begin_control(job, s, mpc, 0)
-    begin_pilot(s, pilot, 0)
+    begin_control_loop(s, loop, 0)
 
 
 @njit
-def aim_one(job: Job, s: Settings, mpc: Mpc, pilot: Pilot, before: int, time: float) -> int:
-    return aim(job, s, mpc, pilot, 0, 0, before, time, s.period)
+def aim_one(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, before: int, time: float) -> int:
+    return aim(job, s, mpc, loop, 0, 0, before, time, s.period)
 
 
 @njit
-def begin_plan_one(s: Settings, m: Mpc, p: Pilot) -> None:
+def begin_plan_one(s: Settings, m: Mpc, p: ControlLoop) -> None:
     begin_plan(s, m, p)
 
 
@@ -59,22 +59,22 @@ def copied(memory):
     return type(memory)(*(array.copy() for array in memory))
 
 
-def problems(course: Course, parameters: np.ndarray, seed: int, every: int) -> Iterator[Mpc]:
+def problems(scenario: Scenario, parameters: np.ndarray, seed: int, every: int) -> Iterator[Mpc]:
     """Memory as it stands before the solver, at every so many control steps of a flight; parameters have shape (S, K)."""
-    job, _ = prepare(course, parameters[None], np.array([seed]), Numbers.FLOAT64, None, ())
-    log = fly_batch(course, parameters[None], np.array([seed]), numbers=Numbers.FLOAT32X8, threads=1, log=[0])[0].logs[0]
-    s = settings_of(course.race)
-    mpc, pilot = allocate_mpc(s.nodes, 1, np.float64), allocate_pilot(s.predicted_periods + 2, 1, np.float64)
-    begin_one(job, s, mpc, pilot)
+    job, _ = prepare(scenario, parameters[None], np.array([seed]), Numbers.FLOAT64, None, ())
+    log = fly_batch(scenario, parameters[None], np.array([seed]), numbers=Numbers.FLOAT32X8, threads=1, log=[0])[0].logs[0]
+    s = settings_of(scenario.race)
+    mpc, loop = allocate_mpc(s.nodes, 1, np.float64), allocate_control_loop(s.predicted_periods + 2, 1, np.float64)
+    begin_one(job, s, mpc, loop)
     segment = FRESH
     for tick, (time, state) in enumerate(zip(log.times[:-1], log.states, strict=False)):
-        pilot.seen[:, 0] = state[:10]
-        segment = aim_one(job, s, mpc, pilot, segment, time)
-        begin_plan_one(s, numbers(mpc), numbers(pilot))
+        loop.seen[:, 0] = state[:10]
+        segment = aim_one(job, s, mpc, loop, segment, time)
+        begin_plan_one(s, numbers(mpc), numbers(loop))
         if tick % every == every - 1:
             yield copied(mpc)
         solve_one(numbers(mpc), s.sweeps)
-        pilot.history[1:], pilot.history[0] = pilot.history[:-1].copy(), mpc.U[0]
+        loop.history[1:], loop.history[0] = loop.history[:-1].copy(), mpc.U[0]
 
 
 def swept(mpc: Mpc, sweeps: int) -> np.ndarray:
@@ -127,36 +127,36 @@ def is_bounded(mpc: Mpc, inputs: np.ndarray) -> bool:
 
 
 @njit
-def take_off(job: Job, s: Settings, pilot: Pilot, craft: Craft, lane: Lane) -> None:
-    _take_flight(job, s, pilot, craft, lane, 0)
+def take_off(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane) -> None:
+    _take_flight(job, s, loop, vehicle_state, lane, 0)
 
 
 @njit
-def fly_on(job: Job, s: Settings, pilot: Pilot, craft: Craft, numbers: Craft, lane: Lane) -> None:
-    _actuate(job, s, pilot, craft, lane, 0)
+def fly_on(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, numbers: VehicleState, lane: Lane) -> None:
+    _actuate(job, s, loop, vehicle_state, lane, 0)
     fly_period(numbers, s.steps)
     lane.tick[0] += 1
 
 
-def closed_loop(course: Course, parameters: np.ndarray, seed: int, steps: int, sweeps: int | None) -> np.ndarray:
+def closed_loop(scenario: Scenario, parameters: np.ndarray, seed: int, steps: int, sweeps: int | None) -> np.ndarray:
     """Positions of a flight, shape (steps, 3), whose quadratic problems are solved by so many sweeps, or exactly where that is None."""
-    job, _ = prepare(course, parameters[None], np.array([seed]), Numbers.FLOAT64, None, ())
-    s = settings_of(course.race)
-    mpc, craft = allocate_mpc(s.nodes, 1, np.float64), allocate_craft(1, np.float64)
-    pilot = allocate_pilot(max(int(job.delay_periods.max()), s.predicted_periods) + 2, 1, np.float64)
+    job, _ = prepare(scenario, parameters[None], np.array([seed]), Numbers.FLOAT64, None, ())
+    s = settings_of(scenario.race)
+    mpc, vehicle_state = allocate_mpc(s.nodes, 1, np.float64), allocate_vehicle_state(1, np.float64)
+    loop = allocate_control_loop(max(int(job.delay_periods.max()), s.predicted_periods) + 2, 1, np.float64)
     lane = Lane(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros((7, 1)))
-    take_off(job, s, pilot, craft, lane)
-    begin_one(job, s, mpc, pilot)
+    take_off(job, s, loop, vehicle_state, lane)
+    begin_one(job, s, mpc, loop)
     segment, flown = FRESH, []
     for tick in range(steps):
-        pilot.seen[:, 0] = craft.state[:10, 0]
-        segment = aim_one(job, s, mpc, pilot, segment, tick * s.period)
-        begin_plan_one(s, numbers(mpc), numbers(pilot))
+        loop.seen[:, 0] = vehicle_state.state[:10, 0]
+        segment = aim_one(job, s, mpc, loop, segment, tick * s.period)
+        begin_plan_one(s, numbers(mpc), numbers(loop))
         if sweeps is None:
             mpc.U[..., 0], mpc.X[..., 0] = solution(mpc)
         else:
             solve_one(numbers(mpc), sweeps)
-        pilot.history[1:], pilot.history[0] = pilot.history[:-1].copy(), mpc.U[0]
-        fly_on(job, s, pilot, craft, numbers(craft), lane)
-        flown.append(craft.state[:3, 0].copy())
+        loop.history[1:], loop.history[0] = loop.history[:-1].copy(), mpc.U[0]
+        fly_on(job, s, loop, vehicle_state, numbers(vehicle_state), lane)
+        flown.append(vehicle_state.state[:3, 0].copy())
     return np.array(flown)

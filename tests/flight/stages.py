@@ -27,13 +27,13 @@ def difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 @cache
 def linearised_node_map():
     """Of `dynamics`, once a process: the expressions take longer to write than to evaluate."""
-    from hotlap import dynamics  # noqa: PLC0415  not where nothing is linearised
+    from hotlap.dynamics import models  # noqa: PLC0415  not where nothing is linearised
 
-    return dynamics.linearised_node_map()
+    return models.linearised_node_map()
 
 
 def unpack(jacobian: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """A (9, 9) and B (9, 4) of `dynamics.node_jacobian`."""
+    """A (9, 9) and B (9, 4) of `models.node_jacobian`."""
     turn, rates, speed = jacobian[:9].reshape(3, 3), jacobian[9:18].reshape(3, 3), jacobian[18:].reshape(3, 7)
     A, B = np.eye(9), np.zeros((9, 4))
     A[3:6, 3:6], B[3:6, 1:] = turn, rates

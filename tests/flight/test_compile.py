@@ -8,7 +8,7 @@ import pytest
 from numba import njit
 from numpy.testing import assert_allclose, assert_array_equal
 
-from hotlap.errors import HotlapError
+from hotlap.core.errors import HotlapError
 from hotlap.flight.compile import compiled, translate
 from hotlap.flight.lanes import as_numbers
 from hotlap.flight.numbers import COMPILE, Numbers

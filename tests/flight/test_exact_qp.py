@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hotlap.preparation import prepare
+from hotlap.planning.preparation import prepare
 
-from . import courses
+from . import scenarios
 from .exact_qp import closed_loop, exact, is_bounded, problems, swept
 
 RANGES = np.array([19.9, 20.0, 20.0, 6.0])  # of the inputs: thrust per mass, body rates
@@ -18,10 +18,10 @@ def gather(races: tuple[str, ...], wanted: int, every: int, seed: int = 0):
     rng, found = np.random.default_rng(seed), []
     flights = 0
     while len(found) < wanted:
-        course = prepare(races[flights % len(races)])
-        middle = course.space.default if flights % 2 else np.array(courses.TUNED)
-        scattered = course.space.clip(middle * np.exp(0.5 * course.space.log_step * rng.standard_normal(5)))
-        for problem in problems(course, np.tile(scattered, (len(course.segments), 1)), seed=flights, every=every):
+        scenario = prepare(races[flights % len(races)])
+        middle = scenario.space.default if flights % 2 else np.array(scenarios.TUNED)
+        scattered = scenario.space.clip(middle * np.exp(0.5 * scenario.space.log_step * rng.standard_normal(5)))
+        for problem in problems(scenario, np.tile(scattered, (len(scenario.segments), 1)), seed=flights, every=every):
             best = exact(problem)
             if is_bounded(problem, best):
                 found.append((problem, best))
@@ -73,11 +73,11 @@ def test_on_two_thousand_problems_of_four_races(record_property):
 def test_a_flight_with_sweeps_is_the_flight_with_an_exact_solver(record_property):
     """Tuned weights on circle-34 and qualifier-20, with noise and an unknown dead time, for six seconds."""
     for race in ("circle-34", "qualifier-20"):
-        course = prepare(race)
-        parameters = np.tile(courses.TUNED, (len(course.segments), 1))
+        scenario = prepare(race)
+        parameters = np.tile(scenarios.TUNED, (len(scenario.segments), 1))
         for seed in range(2):
-            best = closed_loop(course, parameters, seed, steps=600, sweeps=None)
-            apart = {n: np.linalg.norm(closed_loop(course, parameters, seed, 600, n) - best, axis=1).max() for n in (1, 2, 3)}
+            best = closed_loop(scenario, parameters, seed, steps=600, sweeps=None)
+            apart = {n: np.linalg.norm(closed_loop(scenario, parameters, seed, 600, n) - best, axis=1).max() for n in (1, 2, 3)}
             record_property(f"{race}, seed {seed}", ", ".join(f"{n} sweeps {distance:.1e} m" for n, distance in apart.items()))
             assert apart[2] < 0.05
             assert apart[3] < 0.03

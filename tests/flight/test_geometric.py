@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from flight.courses import fly, make_course, make_reference
-from hotlap.controllers import TUNABLE, ControllerKind
-from hotlap.course import Course
+from flight.scenarios import fly, make_reference, make_scenario
+from hotlap.core.records import End
 from hotlap.flight.controller import Controller
 from hotlap.flight.geometric import steering_stage
 from hotlap.flight.program import run
-from hotlap.records import End
+from hotlap.race.controllers import TUNABLE, ControllerKind
+from hotlap.reference.scenario import Scenario
 
 GAINS = np.array(TUNABLE[ControllerKind.GEOMETRIC].default)
 WIDE, PROGRAM = np.full(4, 1e3), steering_stage()
@@ -26,9 +26,9 @@ def steer(state, reference=HOVER, acceleration=(0, 0, 0), gains=GAINS, low=-WIDE
     return command
 
 
-def geometric(vehicle=None, **changes) -> Course:
-    course = make_course(vehicle, **changes)
-    return Course(course.race.with_controller(ControllerKind.GEOMETRIC), course.reference, course.segments)
+def geometric(vehicle=None, **changes) -> Scenario:
+    scenario = make_scenario(vehicle, **changes)
+    return Scenario(scenario.race.with_controller(ControllerKind.GEOMETRIC), scenario.reference, scenario.segments)
 
 
 def test_on_its_reference_it_commands_the_reference():
@@ -99,17 +99,17 @@ def test_commands_keep_their_bounds_even_upside_down():
 
 
 def test_it_flies_and_its_lanes_fly_as_plain_floats_do():
-    course = geometric(noise={"position": 0.05, "thrust": 0.02, "rates": 0.1})
+    scenario = geometric(noise={"position": 0.05, "thrust": 0.02, "rates": 0.1})
     asked = np.tile(GAINS, (9, 2, 1))
-    lanes, scalar = (fly(course, asked, numbers=kind) for kind in ("float32x8", "float64"))
+    lanes, scalar = (fly(scenario, asked, numbers=kind) for kind in ("float32x8", "float64"))
     assert (lanes.end == End.FINISHED).all()
     np.testing.assert_allclose(lanes.mean_error, scalar.mean_error, rtol=1e-4)
-    assert fly(course, asked[:1], seeds=[4]).mean_error[0] == lanes.mean_error[4]
+    assert fly(scenario, asked[:1], seeds=[4]).mean_error[0] == lanes.mean_error[4]
 
 
 def test_by_itself_it_repeats_a_flight():
-    course = geometric({"delay": 0.03}, model={"delay": 0.03})
-    log = fly(course, np.tile(GAINS, (1, 2, 1)), numbers="float64", log=[0]).logs[0]
-    controller = Controller(course, GAINS)
+    scenario = geometric({"delay": 0.03}, model={"delay": 0.03})
+    log = fly(scenario, np.tile(GAINS, (1, 2, 1)), numbers="float64", log=[0]).logs[0]
+    controller = Controller(scenario, GAINS)
     commands = [controller.command(time, state) for time, state in zip(log.times[:-1], log.states[:-1], strict=True)]
     np.testing.assert_allclose(commands, log.commands[:-1], rtol=0, atol=1e-12)

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from hotlap.core.records import End
 from hotlap.flight.judge import Verdicts, gates_of, judge, new_verdicts
-from hotlap.race import JudgeSettings, Rule
-from hotlap.records import End
+from hotlap.race.race import GateRule, JudgeSettings
 
 GATES = np.array([[2.0, 0, 0], [4.0, 0, 0], [6.0, 0, 0]])
 TIMES = np.array([1.0, 2.0, 3.0])  # the reference flies at 2 m/s along x
 SPEED = 2.0
-EVERY_RULE = pytest.mark.parametrize("rule", Rule)
+EVERY_RULE = pytest.mark.parametrize("rule", GateRule)
 
 
 def fly(
@@ -42,7 +42,7 @@ def beside(offset: float, late: float = 0.0) -> Any:
     return lambda t: (SPEED * (t - late), offset, 0.0)
 
 
-def settings(rule: Rule = Rule.CLOCK, **others: Any) -> JudgeSettings:
+def settings(rule: GateRule = GateRule.CLOCK, **others: Any) -> JudgeSettings:
     return JudgeSettings(rule=rule, **others)
 
 
@@ -154,7 +154,7 @@ def test_a_miss_and_a_crash_in_one_period_are_a_crash():
 
 @pytest.mark.parametrize(("late", "passed"), [(0.45, 3), (0.75, 0), (-0.25, 3), (-0.35, 0)])
 def test_the_closest_rule_looks_within_its_window(late, passed):
-    v = fly(beside(0.0, late), settings(Rule.CLOSEST, window=(0.3, 0.6), distance=0.05), period=0.01)
+    v = fly(beside(0.0, late), settings(GateRule.CLOSEST, window=(0.3, 0.6), distance=0.05), period=0.01)
     assert outcome(v) == (passed, End.FINISHED if passed else End.MISSED)
     if passed:
         assert_allclose(v.closest_time[1], TIMES + late, atol=1e-9)
@@ -163,32 +163,32 @@ def test_the_closest_rule_looks_within_its_window(late, passed):
 
 def test_edges_of_the_window_lie_between_the_ends_of_periods():
     """Nearest at the edge itself: 0.1 s before the passage at 2 m/s."""
-    v = fly(beside(0.0, late=0.7), settings(Rule.CLOSEST, window=(0.3, 0.6), distance=0.3), period=0.25)
+    v = fly(beside(0.0, late=0.7), settings(GateRule.CLOSEST, window=(0.3, 0.6), distance=0.3), period=0.25)
     assert_allclose(v.closest_distance[1], 0.2, rtol=1e-9)
     assert_allclose(v.closest_time[1], TIMES + 0.6, rtol=1e-9)
 
 
 def test_a_miss_by_the_closest_rule_is_known_when_the_window_closes():
-    v = fly(beside(1.5), settings(Rule.CLOSEST, window=(0.3, 0.6)))
+    v = fly(beside(1.5), settings(GateRule.CLOSEST, window=(0.3, 0.6)))
     assert outcome(v) == (0, End.MISSED)
     assert v.end_time[1] == pytest.approx(1.6, abs=0.1001)
 
 
 def test_a_lap_by_the_closest_rule_ends_at_the_closest_approach():
     """Within 1.3 m before the gate, but the lap is over when the drone recedes from it."""
-    v = fly(beside(0.8, late=0.43), settings(Rule.CLOSEST))
+    v = fly(beside(0.8, late=0.43), settings(GateRule.CLOSEST))
     assert outcome(v) == (3, End.FINISHED)
     assert v.lap_time[1] == v.end_time[1] == pytest.approx(3.43)
     assert_allclose(v.closest_distance[1], 0.8, rtol=1e-9)
 
 
 def test_a_crash_behind_the_last_gate_is_none():
-    v = fly(lambda t: (SPEED * t, 0.0, 0.0) if t < 2.95 else (6.0 - 12 * (t > 3.05), 0.0, 0.0), settings(Rule.CLOSEST, crash=3.0))
+    v = fly(lambda t: (SPEED * t, 0.0, 0.0) if t < 2.95 else (6.0 - 12 * (t > 3.05), 0.0, 0.0), settings(GateRule.CLOSEST, crash=3.0))
     assert outcome(v) == (3, End.FINISHED)
 
 
 def test_the_released_rule_looks_at_the_whole_flight_and_not_at_the_last_gate():
-    early = fly(lambda t: (min(8 * t, 4.0) if t < 2.5 else 3.5, 0.0, 0.0), settings(Rule.RELEASED))
+    early = fly(lambda t: (min(8 * t, 4.0) if t < 2.5 else 3.5, 0.0, 0.0), settings(GateRule.RELEASED))
     assert outcome(early) == (3, End.FINISHED)
     assert early.lap_time[1] == pytest.approx(3.0)
     assert_allclose(early.closest_distance[1, :2], 0.0, atol=1e-9)
@@ -197,7 +197,7 @@ def test_the_released_rule_looks_at_the_whole_flight_and_not_at_the_last_gate():
 
 @pytest.mark.parametrize(("offset", "passed"), [(1.19, 3), (1.21, 0)])
 def test_the_released_rule_wants_1_2_metres(offset, passed):
-    v = fly(beside(offset), settings(Rule.RELEASED))
+    v = fly(beside(offset), settings(GateRule.RELEASED))
     assert outcome(v) == (passed, End.FINISHED if passed else End.MISSED)
     assert v.end_time[1] == pytest.approx(3.0)
 
@@ -225,7 +225,7 @@ def test_finer_periods_see_the_same(rule, path):
 
 def test_a_gate_counts_once_the_one_before_it_does():
     """Flown backwards, the last gate comes first; nothing counts until the first one was passed, at x = 2.2 m."""
-    backwards = settings(Rule.CLOSEST, window=(3.0, 3.0), crash=20.0, distance=0.3)
+    backwards = settings(GateRule.CLOSEST, window=(3.0, 3.0), crash=20.0, distance=0.3)
     v = fly(lambda t: (6.0 - SPEED * t, 0.0, 0.0), backwards, last=1.85)
     assert outcome(v) == (0, None)
     v = fly(lambda t: (6.0 - SPEED * t, 0.0, 0.0), backwards)

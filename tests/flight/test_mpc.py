@@ -9,16 +9,16 @@ from numpy.testing import assert_allclose, assert_array_equal
 from hotlap.flight import mpc as controller
 
 from . import stages
-from .controls import HIGH, LOW, Mpc, Pilot, best_plan, control_step, draw_problem, settings
+from .controls import HIGH, LOW, ControlLoop, Mpc, best_plan, control_step, draw_problem, settings
 
 NODES = 10
 PROBLEMS = range(24)
 
 
-def solve(problem: tuple[Mpc, Pilot], sweeps: int) -> tuple[np.ndarray, np.ndarray]:
+def solve(problem: tuple[Mpc, ControlLoop], sweeps: int) -> tuple[np.ndarray, np.ndarray]:
     """States and inputs of the plan after a control step."""
-    mpc, pilot = problem
-    control_step(settings(sweeps=sweeps), mpc, pilot)
+    mpc, loop = problem
+    control_step(settings(sweeps=sweeps), mpc, loop)
     return mpc.X[..., 0], mpc.U[..., 0]
 
 

@@ -11,14 +11,14 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from hotlap import dynamics
-from hotlap.errors import HotlapError
-from hotlap.flight.plant import allocate_craft, autopilot_numbers, fly_period, vehicle_numbers
-from hotlap.quadrotor import Layout, Quadrotor
-from hotlap.race import PLANT_STEP
-from hotlap.truth import TRUTH, truth_of
+from hotlap.core.errors import HotlapError
+from hotlap.dynamics import models
+from hotlap.flight.plant import allocate_vehicle_state, autopilot_numbers, fly_period, vehicle_numbers
+from hotlap.race.quadrotor import Quadrotor, RotorLayout
+from hotlap.race.race import PLANT_STEP
+from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, vehicle_parameters_of
 
-STEP = dynamics.plant_step()
+STEP = models.plant_step()
 DRAGLESS: dict[str, Any] = {"name": "box", "mass": 0.9, "inertia": (0.004, 0.006, 0.009), "arm": 0.2, "torque_ratio": 0.02}
 RACER = Quadrotor(**DRAGLESS, rotor_thrust=(0.1, 6.0), motor_time=(0.02, 0.05))
 DRAGGED = RACER.model_copy(update={"drag": (0.3, 0.2, 0.1), "rotor_drag": 0.02, "body_drag": (0.01, 0.02, 0.05)})
@@ -41,10 +41,13 @@ def simulate(
     step: float = PLANT_STEP,
     frozen: bool = False,
     disturbance: Any = (1.0, 0.0, 0.0, 0.0),
-    believed: Quadrotor | None = None,
+    control_model: Quadrotor | None = None,
 ) -> np.ndarray:
     """States every step, shape (steps + 1, 17); frozen rotors keep their speed whatever they are asked for."""
-    vehicle, autopilot = vehicle_numbers(truth_of(quadrotor)[None], quadrotor.layout)[0], autopilot_numbers(believed or quadrotor)
+    vehicle, autopilot = (
+        vehicle_numbers(vehicle_parameters_of(quadrotor)[None], quadrotor.layout)[0],
+        autopilot_numbers(control_model or quadrotor),
+    )
     if frozen:
         vehicle[SHARES] = 0.0
     states = [state]
@@ -141,7 +144,7 @@ def test_without_lag_rotors_follow_at_once():
     assert_allclose(simulate(rest(), np.array([14.0, 0, 0, 0]), PLANT_STEP, quick)[-1, 13:] ** 2, 14.0 * RACER.mass / 4)
 
 
-@pytest.mark.parametrize("layout", Layout)
+@pytest.mark.parametrize("layout", RotorLayout)
 @pytest.mark.parametrize("axis", range(3))
 def test_a_commanded_rate_is_reached_on_its_own_axis(layout, axis):
     quadrotor = RACER.model_copy(update={"layout": layout, "rotor_thrust": (0.0, 20.0), "motor_time": (0.0, 0.0)})
@@ -198,7 +201,7 @@ def test_thrust_errors_wind_and_a_wrong_mass_act():
     assert lift[9] == pytest.approx(0.1 * RACER.gravity * 0.1, rel=1e-6)
     blown = simulate(rest(), HOVER, 0.1, disturbance=(1.0, 2.0, -1.0, 0.5))[-1]
     assert_allclose(blown[7:10], [0.2, -0.1, 0.05], rtol=1e-9)
-    heavy = simulate(rest(), HOVER, 1.0, RACER.model_copy(update={"mass": 1.0}), believed=RACER)[-1]
+    heavy = simulate(rest(), HOVER, 1.0, RACER.model_copy(update={"mass": 1.0}), control_model=RACER)[-1]
     assert heavy[9] < -0.5
 
 
@@ -209,21 +212,21 @@ def test_damping_weakens_the_torque_that_is_asked_for():
 
 
 def test_truth_has_the_quadrotors_numbers_in_the_stated_columns():
-    values = dict(zip(TRUTH, truth_of(DRAGGED), strict=True))
+    values = dict(zip(VEHICLE_PARAMETERS, vehicle_parameters_of(DRAGGED), strict=True))
     assert values["mass"] == DRAGGED.mass
     assert (values["motor_time_up"], values["motor_time_down"]) == DRAGGED.motor_time
     assert [values[f"body_drag_{axis}"] for axis in "xyz"] == list(DRAGGED.body_drag)
     assert [values[f"rate_gain_{axis}"] for axis in "xyz"] == list(DRAGGED.rate_gain)
     assert (values["delay"], values["gravity"]) == (DRAGGED.delay, DRAGGED.gravity)
-    assert_allclose(vehicle_numbers(truth_of(DRAGGED)[None], Layout.X)[0, 4:16], DRAGGED.torque_matrix.ravel())
+    assert_allclose(vehicle_numbers(vehicle_parameters_of(DRAGGED)[None], RotorLayout.X)[0, 4:16], DRAGGED.torque_matrix.ravel())
 
 
 @pytest.mark.parametrize(("column", "value"), [("mass", 0.0), ("inertia_y", -1.0), ("drag_x", np.nan), ("motor_time_up", np.inf)])
 def test_impossible_truths_are_named(column, value):
-    truths = np.tile(truth_of(RACER), (3, 1))
-    truths[1, TRUTH.index(column)] = value
-    with pytest.raises(HotlapError, match=rf"truth\[1\]: {column}"):
-        vehicle_numbers(truths, Layout.X)
+    vehicles = np.tile(vehicle_parameters_of(RACER), (3, 1))
+    vehicles[1, VEHICLE_PARAMETERS.index(column)] = value
+    with pytest.raises(HotlapError, match=rf"vehicle_parameters\[1\]: {column}"):
+        vehicle_numbers(vehicles, RotorLayout.X)
 
 
 def test_the_mixer_makes_what_the_rate_loop_asks_for():
@@ -234,13 +237,16 @@ def test_the_mixer_makes_what_the_rate_loop_asks_for():
 
 
 def test_in_a_period_the_older_command_acts_first():
-    craft = allocate_craft(1, np.float64)
-    craft.state[:, 0], craft.step[0], craft.older_steps[0] = rest(), PLANT_STEP, 3
-    craft.vehicle[:, 0], craft.autopilot[:, 0] = vehicle_numbers(truth_of(RACER)[None], RACER.layout)[0], autopilot_numbers(RACER)
-    craft.disturbance[0] = 1.0
-    craft.older[:, 0], craft.acting[:, 0] = (14.0, 0, 0, 0), (6.0, 0, 0, 0)
-    craft_before = craft.state[:3, 0].copy()
-    fly_period.py_func(type(craft)(*(array[..., 0] for array in craft)), 4)
+    vehicle_state = allocate_vehicle_state(1, np.float64)
+    vehicle_state.state[:, 0], vehicle_state.step[0], vehicle_state.older_steps[0] = rest(), PLANT_STEP, 3
+    vehicle_state.vehicle[:, 0], vehicle_state.autopilot[:, 0] = (
+        vehicle_numbers(vehicle_parameters_of(RACER)[None], RACER.layout)[0],
+        autopilot_numbers(RACER),
+    )
+    vehicle_state.disturbance[0] = 1.0
+    vehicle_state.older[:, 0], vehicle_state.acting[:, 0] = (14.0, 0, 0, 0), (6.0, 0, 0, 0)
+    craft_before = vehicle_state.state[:3, 0].copy()
+    fly_period.py_func(type(vehicle_state)(*(array[..., 0] for array in vehicle_state)), 4)
     halfway = simulate(rest(), np.array([14.0, 0, 0, 0]), 3 * PLANT_STEP)[-1]
-    assert_allclose(craft.state[:, 0], simulate(halfway, np.array([6.0, 0, 0, 0]), PLANT_STEP)[-1], rtol=1e-12)
-    assert_allclose(craft.before[:, 0], craft_before)
+    assert_allclose(vehicle_state.state[:, 0], simulate(halfway, np.array([6.0, 0, 0, 0]), PLANT_STEP)[-1], rtol=1e-12)
+    assert_allclose(vehicle_state.before[:, 0], craft_before)

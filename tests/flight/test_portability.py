@@ -16,7 +16,7 @@ from numba import njit, typeof
 from hotlap.flight.lanes import as_numbers, borrow
 from hotlap.flight.mpc import Mpc, allocate_mpc, solve
 from hotlap.flight.numbers import COMPILE
-from hotlap.flight.plant import Craft, allocate_craft, fly_period
+from hotlap.flight.plant import VehicleState, allocate_vehicle_state, fly_period
 
 LANES = 8
 TRIPLES = ("aarch64-unknown-linux-gnu", "arm64-apple-macosx")
@@ -74,11 +74,11 @@ def control_period() -> str:
     """LLVM code of a control period: the solver and the plant, on lanes."""
 
     @njit(**COMPILE, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-    def control_period(mpc: Mpc, craft: Craft) -> None:
+    def control_period(mpc: Mpc, vehicle_state: VehicleState) -> None:
         solve(as_numbers(borrow(mpc), LANES), 2)
-        fly_period(as_numbers(borrow(craft), LANES), 4)
+        fly_period(as_numbers(borrow(vehicle_state), LANES), 4)
 
-    signature = typeof(allocate_mpc(4, LANES, np.float32)), typeof(allocate_craft(LANES, np.float32))
+    signature = typeof(allocate_mpc(4, LANES, np.float32)), typeof(allocate_vehicle_state(LANES, np.float32))
     control_period.compile(signature)
     return take_out_x86(control_period.inspect_llvm(signature))
 

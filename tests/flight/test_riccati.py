@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from hotlap.dynamics import node_jacobian
+from hotlap.dynamics.models import node_jacobian
 from hotlap.flight.program import Program, run
 from hotlap.flight.riccati import (
     GAIN_SIZE,
@@ -132,9 +132,11 @@ def test_an_attitude_error_costs_its_quaternion():
     assert_allclose(stages.diagonal(WEIGHTS)[3:6], WEIGHTS[2] / 4)
 
 
-def walk(s: dict[str, Any], policy: stages.Policy, change: np.ndarray, *, is_open: bool, unrest: Any = (0.0, 0.0)) -> tuple[Any, ...]:
-    """The forward program: inputs, change of the next deviation, next deviation, unrest."""
-    u, following, deviation, unrest = s["u"].copy(), np.zeros(9), np.full(9, 0.3), np.array(unrest)
+def walk(
+    s: dict[str, Any], policy: stages.Policy, change: np.ndarray, *, needs_sweep: bool, convergence: Any = (0.0, 0.0)
+) -> tuple[Any, ...]:
+    """The forward program: inputs, change of the next deviation, next deviation, convergence."""
+    u, following, deviation, convergence = s["u"].copy(), np.zeros(9), np.full(9, 0.3), np.array(convergence)
     inputs = [
         s["C"],
         policy.gains.ravel(),
@@ -145,45 +147,45 @@ def walk(s: dict[str, Any], policy: stages.Policy, change: np.ndarray, *, is_ope
         np.array([H]),
         s["low"],
         s["high"],
-        np.array([float(is_open)]),
+        np.array([float(needs_sweep)]),
     ]
-    run(FORWARD, [*inputs, unrest, u, following, deviation, unrest])
-    return u, following, deviation, unrest
+    run(FORWARD, [*inputs, convergence, u, following, deviation, convergence])
+    return u, following, deviation, convergence
 
 
 def test_forward_follows_the_policy_and_the_linear_model():
     s, change = stage(5, WIDE), 0.1 * np.random.default_rng(5).normal(size=9)
     policy = expect(s)
-    u, following, deviation, unrest = walk(s, policy, change, is_open=True)
+    u, following, deviation, convergence = walk(s, policy, change, needs_sweep=True)
     A, B = stages.unpack(s["C"], H)
     assert_allclose(u - s["u"], policy.step + policy.gains @ change, rtol=1e-9)
     assert_allclose(following, A @ change + B @ (u - s["u"]), rtol=1e-9)
     assert_allclose(deviation, 0.3 + following, rtol=1e-12)
-    assert_allclose(unrest, [np.abs(u - s["u"]).max(), 0.0])
+    assert_allclose(convergence, [np.abs(u - s["u"]).max(), 0.0])
 
 
 def test_forward_keeps_the_bounds_and_says_so():
     s, change = stage(6, TIGHT), 2.0 * np.random.default_rng(6).normal(size=9)
     policy = expect(s)._replace(gains=np.full((4, 9), 0.2))
-    u, following, _, unrest = walk(s, policy, change, is_open=True)
+    u, following, _, convergence = walk(s, policy, change, needs_sweep=True)
     assert_allclose(u, np.clip(s["u"] + policy.step + policy.gains @ change, s["low"], s["high"]))
-    assert_allclose(unrest, [np.abs(u - s["u"]).max(), 1.0])
+    assert_allclose(convergence, [np.abs(u - s["u"]).max(), 1.0])
     A, B = stages.unpack(s["C"], H)
     assert_allclose(following, A @ change + B @ (u - s["u"]), rtol=1e-9)
 
 
 def test_unrest_is_that_of_all_nodes_so_far():
     s = stage(5, WIDE)
-    assert_array_equal(walk(s, expect(s), np.zeros(9), is_open=True, unrest=(50.0, 1.0))[3], [50.0, 1.0])
+    assert_array_equal(walk(s, expect(s), np.zeros(9), needs_sweep=True, convergence=(50.0, 1.0))[3], [50.0, 1.0])
 
 
 def test_a_lane_that_is_done_changes_no_bit():
     s = stage(7, TIGHT)
-    u, following, deviation, unrest = walk(s, expect(s), np.zeros(9), is_open=False)
+    u, following, deviation, convergence = walk(s, expect(s), np.zeros(9), needs_sweep=False)
     assert_array_equal(u, s["u"])
     assert_array_equal(following, np.zeros(9))
     assert_array_equal(deviation, np.full(9, 0.3))
-    assert unrest[0] == 0.0
+    assert convergence[0] == 0.0
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -9,13 +9,13 @@ import pytest
 from numba.core.errors import NumbaError
 from numpy.testing import assert_allclose, assert_array_equal
 
-from flight.courses import fly, make_course, parameters
-from hotlap.controllers import ControllerKind
+from flight.scenarios import fly, make_scenario, parameters
 from hotlap.flight import self_check
-from hotlap.flight.batch import fly_batch
+from hotlap.flight.fly import fly_batch
+from hotlap.flight.kernel import worker
 from hotlap.flight.numbers import Numbers
 from hotlap.flight.program import MEANING
-from hotlap.flight.simulate import worker
+from hotlap.race.controllers import ControllerKind
 from hotlap.worlds import BuiltIn
 
 LANES = Numbers.FLOAT32X8
@@ -30,10 +30,10 @@ def remark(tmp_path, monkeypatch):
 
 
 def test_the_interpreter_flies_what_plain_floats_fly():
-    course = self_check.make_course(ControllerKind.MPC)
-    asked, seeds = np.tile(course.space.default, (2, 2, 1)), np.arange(2)
-    logs, errors = self_check.fly_interpreted(course, asked, seeds)
-    flown = fly_batch(course, asked, seeds, numbers=Numbers.FLOAT64, log=[0, 1])[0]
+    scenario = self_check.make_scenario(ControllerKind.MPC)
+    asked, seeds = np.tile(scenario.space.default, (2, 2, 1)), np.arange(2)
+    logs, errors = self_check.fly_interpreted(scenario, asked, seeds)
+    flown = fly_batch(scenario, asked, seeds, numbers=Numbers.FLOAT64, log=[0, 1])[0]
     for i in range(2):
         assert_allclose(logs[i][:, :13], flown.logs[i].states, atol=1e-9)
         assert_allclose(logs[i][:, 17:], flown.logs[i].commands, atol=1e-9)
@@ -41,10 +41,10 @@ def test_the_interpreter_flies_what_plain_floats_fly():
 
 
 def test_the_flights_meet_bounds_and_leave_them():
-    course = self_check.make_course(ControllerKind.MPC)
-    flown = fly_batch(course, np.tile(course.space.default, (20, 2, 1)), np.arange(20), numbers=LANES, log=range(20))[0]
+    scenario = self_check.make_scenario(ControllerKind.MPC)
+    flown = fly_batch(scenario, np.tile(scenario.space.default, (20, 2, 1)), np.arange(20), numbers=LANES, log=range(20))[0]
     thrust = np.concatenate([flown.logs[i].commands[:, 0] for i in range(20)])
-    assert 0.2 < (thrust > course.race.controller.thrust[1] - 1e-6).mean() < 0.8
+    assert 0.2 < (thrust > scenario.race.controller.thrust[1] - 1e-6).mean() < 0.8
 
 
 def test_nothing_compiled_is_left_in_an_interpreted_function():
@@ -104,12 +104,12 @@ def test_a_remark_that_cannot_be_kept_is_no_error(remark, monkeypatch):
 
 def test_a_world_without_sound_lanes_says_so_once_and_flies_plain_floats(monkeypatch):
     monkeypatch.setattr(self_check, "agrees", lambda numbers, kind: False)
-    world, course = BuiltIn("float32x8"), make_course(noise={"rates": 0.1})
+    world, scenario = BuiltIn("float32x8"), make_scenario(noise={"rates": 0.1})
     with pytest.warns(RuntimeWarning, match="float32x8 flights differ from interpreted ones"):
-        flown = world.fly(course, parameters(2), np.arange(2))
-    again = world.fly(course, parameters(2), np.arange(2))  # warnings are errors here
+        flown = world.fly(scenario, parameters(2), np.arange(2))
+    again = world.fly(scenario, parameters(2), np.arange(2))  # warnings are errors here
     for flights in (flown, again):
-        assert_array_equal(flights.clock_distance, fly(course, 2, numbers="float64").clock_distance)
+        assert_array_equal(flights.clock_distance, fly(scenario, 2, numbers="float64").clock_distance)
 
 
 def test_plain_floats_need_no_check(monkeypatch):

@@ -6,14 +6,14 @@ from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
-from hotlap.files import load_race
+from hotlap.files.descriptions import load_race
 from hotlap.planning.planner import find_plan
 from hotlap.planning.problem import Problem, Trajectory
 from hotlap.planning.sampling import sample
-from hotlap.quadrotor import Layout
-from hotlap.race import Race
-from hotlap.reference import Reference
-from hotlap.track import Gate
+from hotlap.race.quadrotor import RotorLayout
+from hotlap.race.race import Race
+from hotlap.race.track import Gate
+from hotlap.reference.reference import Reference
 
 HILL = ((6.0, 2.0, 1.0), (10.0, 8.0, 4.0), (2.0, 10.0, 2.5), (-3.0, 4.0, 0.8))
 
@@ -30,7 +30,7 @@ def make_race(
     race = load_race(base)
     own = {"name": "small", "start": (0.0, 0.0, 0.5), "attitude": (1.0, 0.0, 0.0, 0.0), "end": None}
     gates = tuple(Gate(position=gate) for gate in gates)
-    planned = race.planned.model_copy(update=quadrotor)
+    planned = race.planning_model.model_copy(update=quadrotor)
     return race.model_copy(
         update={
             "track": race.track.model_copy(update={**own, "gates": gates, **(track or {})}),
@@ -45,7 +45,7 @@ RACES = {
     "drag": make_race(track={"end": (-6.0, 0.0, 0.8)}),
     "ramp": make_race(base="split-s"),  # no drag, a floor, a yaw rate
     "floor": make_race(LOW, track={"start": (0.0, 0.0, 3.0)}, planning={"floor": 0.6}),
-    "inverted": make_race(track={"attitude": (0.0, 1.0, 0.0, 0.0)}, quadrotor={"rotor_thrust": (0.5, 4.0), "layout": Layout.PLUS}),
+    "inverted": make_race(track={"attitude": (0.0, 1.0, 0.0, 0.0)}, quadrotor={"rotor_thrust": (0.5, 4.0), "layout": RotorLayout.PLUS}),
 }
 
 

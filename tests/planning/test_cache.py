@@ -13,9 +13,9 @@ from hotlap import planning
 from hotlap.planning import cache as plan_cache
 from hotlap.planning import planner
 from hotlap.planning.problem import Problem
-from hotlap.quadrotor import Layout
-from hotlap.race import Race, Ramp
-from hotlap.reference import Reference
+from hotlap.race.quadrotor import RotorLayout
+from hotlap.race.race import Race, Ramp
+from hotlap.reference.reference import Reference
 
 from . import small
 
@@ -87,7 +87,7 @@ def flown_on(**track) -> Race:
 
 
 def quadrotor(**values) -> Race:
-    return planned_with(quadrotor=RACE.planned.model_copy(update=values))
+    return planned_with(quadrotor=RACE.planning_model.model_copy(update=values))
 
 
 OTHERS = {
@@ -103,7 +103,7 @@ OTHERS = {
     "mass": quadrotor(mass=1.01),
     "rate limit": quadrotor(rate_limit=(10.0, 10.0, 0.1)),
     "gravity": quadrotor(gravity=9.81),
-    "layout": quadrotor(layout=Layout.PLUS),
+    "layout": quadrotor(layout=RotorLayout.PLUS),
 }
 
 

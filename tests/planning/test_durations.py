@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from hotlap.files import load_race
+from hotlap.files.descriptions import load_race
 from hotlap.planning import plan
-from hotlap.race import Race
-from hotlap.track import Gate
+from hotlap.race.race import Race
+from hotlap.race.track import Gate
 
 from . import small
 
@@ -49,7 +49,7 @@ def test_the_reconstructed_final_takes_as_long_as_measured_before():
 
 def test_a_climb_takes_as_long_as_full_thrust_needs():
     race = small.make_race([(0.0, 0.0, 20.5)], planning={"v_max": None})
-    acceleration = race.planned.max_acceleration - race.planned.gravity
+    acceleration = race.planning_model.max_acceleration - race.planning_model.gravity
     assert plan(race, cache=False).duration == pytest.approx(math.sqrt(2 * 19.8 / acceleration), rel=1e-3)
 
 

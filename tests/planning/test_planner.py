@@ -11,11 +11,11 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from hotlap.errors import PlanningError
-from hotlap.files import load_race
+from hotlap.core.errors import PlanningError
+from hotlap.files.descriptions import load_race
 from hotlap.planning import ipopt, plan, planner
 from hotlap.planning.problem import Problem
-from hotlap.race import Race
+from hotlap.race.race import Race
 
 from . import small
 

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hotlap.planning.attitude import thrust_axis
 from hotlap.planning.run_out import BLEND, LARGEST_RATE, RUN_OUT, SLOWING, extend
-from hotlap.reference import Reference
+from hotlap.reference.reference import Reference
 
 from . import small
 

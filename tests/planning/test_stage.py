@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from hotlap.dynamics import planning_model
+from hotlap.dynamics.models import planning_model
 from hotlap.planning.minimum_time import model_parameters
 from hotlap.planning.problem import Problem
 from hotlap.planning.stage import Stage, point_mass_stage, quadrotor_stage

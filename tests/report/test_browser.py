@@ -14,7 +14,7 @@ import pytest
 
 PAGE = Path(__file__).parents[2] / "page"
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
-HOTLAP = [sys.executable, "-m", "hotlap.cli"]
+HOTLAP = [sys.executable, "-m", "hotlap"]
 RACE = ("circle-34", "--first-guess", "default", "--seed", "0")
 OLDEST_NODE = 18
 

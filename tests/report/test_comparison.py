@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hotlap.analysis.comparison import Run
-from hotlap.errors import InputError
+from hotlap.core.errors import InputError
 from hotlap.report.comparison import BAND_UP_TO, curves, draw_comparison, profile
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hotlap.race import ControllerSettings
+from hotlap.race.race import ControllerSettings
 from hotlap.report.effort import QUICK, measure
 
 SETTINGS = ControllerSettings()

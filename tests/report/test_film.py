@@ -12,52 +12,52 @@ from PIL import Image
 from plausible_world import OPTIMUM, PlausibleWorld
 from studies import begin, carry, configure
 
-from fake_world import make_course
-from hotlap.errors import InputError
-from hotlap.quadrotor import Layout
+from fake_world import make_scenario
+from hotlap.core.errors import InputError
+from hotlap.race.quadrotor import RotorLayout
 from hotlap.report.demonstration import choose
 from hotlap.report.film import recording
 from hotlap.report.film.camera import aim, rings
-from hotlap.report.film.craft import draw_craft, turn
+from hotlap.report.film.drone import draw_drone, turn
 from hotlap.report.film.film import LONGEST, pace_of, write_film
+from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.recording import check_recorder, find_ffmpeg, record
-from hotlap.report.film.takes import film_takes
 
 
 @pytest.fixture(scope="module")
-def takes():
+def flights():
     """A flight that fails, and a good one."""
-    course = make_course()
-    shown = choose(course, 40 * np.tile(OPTIMUM, (2, 1)), np.tile(OPTIMUM, (2, 1)))
-    return film_takes(course, PlausibleWorld(), (shown[1], shown[0]), seed=3, interval=0.1)
+    scenario = make_scenario()
+    shown = choose(scenario, 40 * np.tile(OPTIMUM, (2, 1)), np.tile(OPTIMUM, (2, 1)))
+    return film_flights(scenario, PlausibleWorld(), (shown[1], shown[0]), seed=3, interval=0.1)
 
 
-def test_a_take_is_followed_to_the_end_and_counts_its_gates(takes):
-    bad, good = takes
+def test_a_take_is_followed_to_the_end_and_counts_its_gates(flights):
+    bad, good = flights
     assert (good.failed, good.passed[0], good.passed[-1]) == (False, 0, 5)
     assert good.ending == "all 5 gates, 5.00 s"
     assert bad.failed
     assert bad.ending == f"missed gate {bad.passed[-1] + 1}"
     assert bad.judged < len(bad) - 1  # it is followed on
-    for take in takes:
-        assert (np.diff(take.passed) >= 0).all()
-        assert len(take.position) == len(take.attitude) == len(take.speed) == len(take.passed)
-        np.testing.assert_allclose(np.linalg.norm(take.attitude, axis=1), 1)
+    for flight in flights:
+        assert (np.diff(flight.passed) >= 0).all()
+        assert len(flight.position) == len(flight.attitude) == len(flight.speed) == len(flight.passed)
+        np.testing.assert_allclose(np.linalg.norm(flight.attitude, axis=1), 1)
 
 
 class LateWorld(PlausibleWorld):
     """Passes the last gate after the end of the reference, as a rule of approach allows."""
 
-    def fly(self, course, parameters, seeds, **options):
-        flown, late = super().fly(course, parameters, seeds, **options), np.full(len(seeds), course.reference.duration + 0.25)
+    def fly(self, scenario, parameters, seeds, **options):
+        flown, late = super().fly(scenario, parameters, seeds, **options), np.full(len(seeds), scenario.reference.duration + 0.25)
         return replace(flown, end_time=late, lap_time=late)
 
 
 def test_a_lap_that_ends_after_the_reference_is_seen_to_end():
-    course = make_course()
-    (take,) = film_takes(course, LateWorld(), choose(course, *2 * [np.tile(OPTIMUM, (2, 1))])[:1], seed=3, interval=0.1)
-    assert not take.failed
-    assert take.judged <= len(take) - 1
+    scenario = make_scenario()
+    (flight,) = film_flights(scenario, LateWorld(), choose(scenario, *2 * [np.tile(OPTIMUM, (2, 1))])[:1], seed=3, interval=0.1)
+    assert not flight.failed
+    assert flight.judged <= len(flight) - 1
 
 
 def test_a_camera_keeps_lengths_across_and_up_is_up():
@@ -80,13 +80,13 @@ def test_a_gate_is_a_circle_across_the_flight(normal):
 def test_a_drone_turns_with_its_attitude():
     half = np.sqrt(0.5)
     np.testing.assert_allclose(turn(np.array([half, 0, 0, half]), np.eye(3)), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-12)
-    level = np.vstack(draw_craft(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, Layout.X))
+    level = np.vstack(draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, RotorLayout.X))
     assert (level[:, 2] == 0).all()
 
 
-@pytest.mark.parametrize(("layout", "hub"), [(Layout.X, [2**0.5, 2**0.5, 0]), (Layout.PLUS, [2, 0, 0])])
+@pytest.mark.parametrize(("layout", "hub"), [(RotorLayout.X, [2**0.5, 2**0.5, 0]), (RotorLayout.PLUS, [2, 0, 0])])
 def test_rotors_are_drawn_where_the_layout_has_them(layout, hub):
-    first_arm, _, *rotors = draw_craft(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, layout)
+    first_arm, _, *rotors = draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, layout)
     np.testing.assert_allclose(first_arm[0], hub)
     np.testing.assert_allclose(rotors[0][:-1].mean(axis=0), hub, atol=1e-12)
 
@@ -98,8 +98,8 @@ def test_a_film_is_never_longer_than_it_may_be(duration, pace):
 
 
 def test_a_gif_has_a_frame_for_each_moment_and_lingers_on_the_last(tmp_path):
-    standing = carry(tmp_path / "study", replace(configure(), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1))))
-    path = write_film(tmp_path / "lap.gif", standing, PlausibleWorld())
+    snapshot = carry(tmp_path / "study", replace(configure(), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1))))
+    path = write_film(tmp_path / "lap.gif", snapshot, PlausibleWorld())
     with Image.open(path) as picture:
         assert picture.format == "GIF"
         assert picture.n_frames > 50
@@ -113,8 +113,8 @@ def test_a_gif_has_a_frame_for_each_moment_and_lingers_on_the_last(tmp_path):
 
 
 def test_a_study_without_flights_has_a_film(tmp_path):
-    standing = begin(tmp_path / "study", configure())
-    with Image.open(write_film(tmp_path / "lap.gif", standing, PlausibleWorld(crash=True))) as picture:
+    snapshot = begin(tmp_path / "study", configure())
+    with Image.open(write_film(tmp_path / "lap.gif", snapshot, PlausibleWorld(crash=True))) as picture:
         assert picture.n_frames > 10
 
 

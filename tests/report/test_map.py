@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fake_world import make_course
-from hotlap.files import load_race, load_track
+from fake_world import make_scenario
+from hotlap.files.descriptions import load_race, load_track
 from hotlap.planning import plan
+from hotlap.reference.segmentation import segment
 from hotlap.report.map import draw_map, draw_track
-from hotlap.segmentation import segment
 
 ANSI = re.compile("\x1b\\[[0-9]*m")
 
@@ -26,12 +26,12 @@ def draw(name: str, **options) -> str:
 
 
 def wander(points: np.ndarray):
-    """A course along a polyline, shape (n, 3), with a gate at each corner."""
-    course = make_course()
+    """A scenario along a polyline, shape (n, 3), with a gate at each corner."""
+    scenario = make_scenario()
     rows = np.linspace(0, len(points) - 1, 501)
     position = np.stack([np.interp(rows, np.arange(len(points)), column) for column in points.T], axis=1)
     position = np.vstack([position, np.tile(position[-1], (200, 1))])
-    return replace(course.reference, position=position), points[1:], course.segments
+    return replace(scenario.reference, position=position), points[1:], scenario.segments
 
 
 coordinates = st.lists(st.tuples(*[st.floats(-200, 200)] * 3), min_size=2, max_size=9).map(np.array)

@@ -11,21 +11,21 @@ import pytest
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
 
-from fake_world import make_course
-from hotlap import toml
-from hotlap.files import load_race
-from hotlap.ledger import Ledger
-from hotlap.quadrotor import Layout
-from hotlap.race import JudgeSettings, Rule
+from fake_world import make_scenario
+from hotlap.core.ledger import Ledger
+from hotlap.core.seeds import Stream
+from hotlap.files import toml_writer
+from hotlap.files.descriptions import load_race
+from hotlap.race.quadrotor import RotorLayout
+from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.report.effort import Effort
 from hotlap.report.page.document import MOST_SAMPLES, describe
 from hotlap.report.page.encoding import MOST_ROWS, number, pack, thin, write_json
-from hotlap.report.page.flown import describe_course, describe_trace
-from hotlap.report.page.shown import glance, show
-from hotlap.seeds import Stream
+from hotlap.report.page.flown import describe_scenario, describe_trace
+from hotlap.report.page.replay import glance, show
 
 KEYS = {
-    *("format", "kind", "live", "headline", "course", "traces", "repeats", "flights", "parameters", "samples", "sensitivity", "hold"),
+    *("format", "kind", "live", "headline", "scenario", "traces", "repeats", "flights", "parameters", "samples", "sensitivity", "hold"),
     "configuration",
 }
 
@@ -44,8 +44,8 @@ def study(tmp_path_factory):
 @pytest.fixture(scope="module")
 def whole(study):
     """The document of a finished study, gone through JSON."""
-    shown = show(study.configuration, AnyVehicle(), study.best)
-    return json.loads(write_json(describe(study, shown)))
+    replay = show(study.configuration, AnyVehicle(), study.best)
+    return json.loads(write_json(describe(study, replay)))
 
 
 def test_an_array_comes_back_as_it_was_to_single_precision():
@@ -77,16 +77,16 @@ def test_the_headline_says_what_the_study_says(study, whole):
     said = head["race"], head["tuner"], head["goal"], head["state"]
     assert said == ("straight", "metropolis_hastings:tied", "mean_error<0.01", "finished")
     assert (head["flights"], head["search_flights"], head["confirmed"]) == (result.flights, result.search_flights, result.best.confirmed)
-    assert head["planned_lap_time"] == study.configuration.course.reference.lap_time
+    assert head["planned_lap_time"] == study.configuration.scenario.reference.lap_time
 
 
 def test_latency_that_the_controller_does_not_know_is_the_difference(tmp_path):
-    course = make_course()
-    late = course.race.vehicle.model_copy(update={"delay": 0.045})
-    for model, unknown in ((course.race.vehicle, 0.045), (late, 0.0)):
-        race = course.race.model_copy(update={"vehicle": late, "model": model})
-        standing = begin(tmp_path / str(unknown), configure(replace(course, race=race)))
-        assert describe(standing, None)["headline"]["latency_unknown"] == unknown
+    scenario = make_scenario()
+    late = scenario.race.vehicle.model_copy(update={"delay": 0.045})
+    for model, unknown in ((scenario.race.vehicle, 0.045), (late, 0.0)):
+        race = scenario.race.model_copy(update={"vehicle": late, "model": model})
+        snapshot = begin(tmp_path / str(unknown), configure(replace(scenario, race=race)))
+        assert describe(snapshot, None)["headline"]["latency_unknown"] == unknown
 
 
 def test_every_flight_is_there_in_the_order_of_the_ledger(study, whole):
@@ -130,8 +130,8 @@ def test_parameters_lie_within_their_bounds(whole):
 
 def test_the_race_can_be_read_again(whole, study, tmp_path):
     (tmp_path / "race.toml").write_text(whole["configuration"]["race_toml"], encoding="utf-8")
-    assert load_race(tmp_path / "race.toml") == study.configuration.course.race
-    assert toml.write(study.configuration.course.race.model_dump(mode="json", exclude_none=True))
+    assert load_race(tmp_path / "race.toml") == study.configuration.scenario.race
+    assert toml_writer.write(study.configuration.scenario.race.model_dump(mode="json", exclude_none=True))
 
 
 def test_the_command_is_the_one_that_was_given_and_names_the_first_guess(tmp_path, whole):
@@ -152,9 +152,9 @@ def test_many_samples_are_thinned_and_the_page_is_told_of_how_many(study):
 
 
 def test_a_study_without_flights_has_a_document(tmp_path):
-    standing = begin(tmp_path, configure())
-    for shown in (None, glance(standing.configuration, PlausibleWorld(), standing.best)):
-        document = json.loads(write_json(describe(standing, shown, live=True)))
+    snapshot = begin(tmp_path, configure())
+    for replay in (None, glance(snapshot.configuration, PlausibleWorld(), snapshot.best)):
+        document = json.loads(write_json(describe(snapshot, replay, live=True)))
         assert set(document) == KEYS
         assert (document["headline"]["state"], document["headline"]["completion"], document["live"]) == ("running", None, True)
         assert (document["sensitivity"], document["hold"], document["samples"]["of"]) == (None, [], 0)
@@ -165,29 +165,29 @@ def test_a_study_without_flights_has_a_document(tmp_path):
     [(PlausibleWorld(reach=40.0, crash=True), "none"), (PlausibleWorld(reach=20.0), "completion=1"), (PlausibleWorld(), "mean_error<0.01")],
 )
 def test_a_study_of_failures_has_a_document(tmp_path, world, goal):
-    standing = carry(tmp_path, configure(goal=goal), world)
-    document = json.loads(write_json(describe(standing, show(standing.configuration, world, standing.best))))
+    snapshot = carry(tmp_path, configure(goal=goal), world)
+    document = json.loads(write_json(describe(snapshot, show(snapshot.configuration, world, snapshot.best))))
     assert document["hold"] == []  # this world flies what it has
     assert document["sensitivity"]["by_segment"]["shape"] == [2, 5]
 
 
-@pytest.mark.parametrize(("rule", "name"), [(Rule.CLOCK, "clock"), (Rule.CLOSEST, "approach"), (Rule.RELEASED, "approach")])
+@pytest.mark.parametrize(("rule", "name"), [(GateRule.CLOCK, "clock"), (GateRule.CLOSEST, "approach"), (GateRule.RELEASED, "approach")])
 def test_the_rule_is_one_of_two(tmp_path, rule, name):
-    standing = begin(tmp_path, configure(make_course(JudgeSettings(rule=rule, fly_on=True))))
-    assert describe(standing, None)["course"]["rule"] == name
+    snapshot = begin(tmp_path, configure(make_scenario(JudgeSettings(rule=rule, fly_on=True))))
+    assert describe(snapshot, None)["scenario"]["rule"] == name
 
 
 def test_a_flight_that_never_turns_has_no_frequency(study):
-    shown = glance(study.configuration, PlausibleWorld(), study.best)
+    replay = glance(study.configuration, PlausibleWorld(), study.best)
     still, shaking = Effort(0.0, 0.0, 0.0, 0.0, 0.0), Effort(1.0, 2.0, 0.0, 8.0, 0.5)
-    effort = describe_trace(shown.scene.traces[0], (still, shaking))["effort"]
+    effort = describe_trace(replay.scene.traces[0], (still, shaking))["effort"]
     assert effort["oscillation"] == {"frequency": None, "share": 0.0}
     assert effort["reference"]["oscillation"] == {"frequency": 8.0, "share": 0.5}
 
 
-@pytest.mark.parametrize("layout", list(Layout))
+@pytest.mark.parametrize("layout", list(RotorLayout))
 def test_the_rotors_are_where_the_vehicle_has_them(layout):
-    course = make_course()
-    vehicle = course.race.vehicle.model_copy(update={"layout": layout})
-    told = json.loads(write_json(describe_course(replace(course, race=course.race.model_copy(update={"vehicle": vehicle})))))
+    scenario = make_scenario()
+    vehicle = scenario.race.vehicle.model_copy(update={"layout": layout})
+    told = json.loads(write_json(describe_scenario(replace(scenario, race=scenario.race.model_copy(update={"vehicle": vehicle})))))
     assert told["layout"] == str(layout)

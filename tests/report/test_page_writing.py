@@ -10,14 +10,14 @@ import pytest
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
 
-from fake_world import make_course
-from hotlap.errors import InputError
-from hotlap.report.page.shown import show
+from fake_world import make_scenario
+from hotlap.core.errors import InputError
+from hotlap.report.page.replay import show
 from hotlap.report.page.still import describe_still, summary_of
 from hotlap.report.page.track_map import draw_track_map
 from hotlap.report.page.writing import DATA, REPORT, STILL, TITLE, fill, load_template, render, write_report
 from hotlap.report.scene import stage
-from hotlap.study import Study
+from hotlap.study.study import Study
 
 TEMPLATE = f"<head>{TITLE}</head><body>{STILL}{DATA}</body>"
 VOID = {"meta", "br", "link", "img", "input", "hr"}
@@ -60,8 +60,8 @@ def shown(study):
     return show(study.configuration, AnyVehicle(), study.best)
 
 
-def test_the_built_page_has_its_places(study, shown):
-    html = render(study, shown)
+def test_the_built_page_has_its_places(study, replay):
+    html = render(study, replay)
     assert html.startswith("<!")
     assert html.count("<title>straight: metropolis_hastings:tied - hotlap</title>") == 1
     (data,) = re.findall(r'<script id="study-data" type="application/json">(.*?)</script>', html, re.DOTALL)
@@ -81,29 +81,29 @@ def test_a_name_that_looks_like_markup_stays_a_name():
     assert html.count("</title>") == 1
 
 
-def test_without_javascript_the_answers_are_there(study, shown):
-    page = read(describe_still(study, shown))
+def test_without_javascript_the_answers_are_there(study, replay):
+    page = read(describe_still(study, replay))
     words = " ".join(page.words)
     assert summary_of(study) in words
     assert {"svg", "table", "h1", "figure"} <= set(page.seen)
     assert "script" not in page.seen
-    for part in ("will it hold", "as tuned", "of 100 flights", *study.configuration.course.space.names, study.command):
+    for part in ("will it hold", "as tuned", "of 100 flights", *study.configuration.scenario.space.names, study.command):
         assert part.lower() in words.lower()
 
 
 def test_a_goal_that_was_not_confirmed_is_said_as_plainly(tmp_path):
-    standing = carry(tmp_path, configure(goal="mean_error<0.01"))
-    assert "NOT confirmed in 20 flights" in summary_of(standing)
+    snapshot = carry(tmp_path, configure(goal="mean_error<0.01"))
+    assert "NOT confirmed in 20 flights" in summary_of(snapshot)
 
 
 def test_a_study_without_flights_has_a_page(tmp_path):
-    standing = begin(tmp_path, configure())
-    assert summary_of(standing) == "No flights yet."
-    read(describe_still(standing, None))
+    snapshot = begin(tmp_path, configure())
+    assert summary_of(snapshot) == "No flights yet."
+    read(describe_still(snapshot, None))
 
 
 def test_the_map_stays_within_its_box():
-    svg = draw_track_map(stage(make_course()))
+    svg = draw_track_map(stage(make_scenario()))
     width, height = map(float, re.search(r'viewBox="0 0 (\S+) (\S+)"', svg).groups())
     points = [tuple(map(float, pair.split(","))) for line in re.findall(r'points="([^"]*)"', svg) for pair in line.split()]
     assert points
@@ -125,5 +125,5 @@ def test_a_report_that_cannot_be_written_is_one_clear_line(tmp_path):
             write_report(study, PlausibleWorld())
 
 
-def test_a_page_is_small(study, shown):
-    assert len(render(study, shown)) - len(load_template()) < 1_000_000
+def test_a_page_is_small(study, replay):
+    assert len(render(study, replay)) - len(load_template()) < 1_000_000

@@ -14,15 +14,14 @@ from matplotlib.figure import Figure
 from plausible_world import OPTIMUM, PlausibleWorld
 from studies import begin, carry, configure
 
-from fake_world import make_course
+from fake_world import make_scenario
 from hotlap.analysis.sensitivity import survey_sensitivity
-from hotlap.configuration import Configuration
-from hotlap.course import Course
-from hotlap.errors import InputError
-from hotlap.goal import parse_goal
-from hotlap.objective import Objective
-from hotlap.race import JudgeSettings, Rule
-from hotlap.records import End, Log
+from hotlap.core.errors import InputError
+from hotlap.core.records import End, Log
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.race.race import GateRule, JudgeSettings
+from hotlap.reference.scenario import Scenario
+from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.report import figures
 from hotlap.report.demonstration import choose, demonstrate
 from hotlap.report.history import collect, compare, recount
@@ -30,25 +29,26 @@ from hotlap.report.map import CLASS_CODES
 from hotlap.report.pictures import FORMATS, draw, draw_everything, draw_plan, save
 from hotlap.report.scene import stage
 from hotlap.report.style import CLASS_COLOURS, styled
-from hotlap.scoring import Metric
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.segmentation import SegmentClass, Segments
-from hotlap.study import Study, carry_out
-from hotlap.tuning import TuningSettings
+from hotlap.study.configuration import Configuration
+from hotlap.study.study import Study
+from hotlap.tuning.goal import parse_goal
+from hotlap.tuning.loop import TuningSettings
+from hotlap.tuning.objective import Objective
+from hotlap.tuning.scoring import Metric
 
 NAMES = ("track", "convergence", "error", "parameters")
 SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
 
 
-def draw_study(folder: Path, world=None, course: Course | None = None, goal: str = "completion=1", budget: int = 20):
+def draw_study(folder: Path, world=None, scenario: Scenario | None = None, goal: str = "completion=1", budget: int = 20):
     """Run a small study, draw it, and return the files."""
-    course, world = course or make_course(), world or PlausibleWorld()
+    scenario, world = scenario or make_scenario(), world or PlausibleWorld()
     settings = TuningSettings(seed=3, budget=budget, goal=parse_goal(goal), validation=20)
-    guess = course.space.first_guess(len(course.segments))
-    configuration = Configuration(course, world.name, parse_goal(goal).metric, "metropolis_hastings:tied", settings, guess)
+    guess = scenario.space.first_guess(len(scenario.segments))
+    configuration = Configuration(scenario, world.name, parse_goal(goal).metric, "metropolis_hastings:tied", settings, guess)
     with Study.open(folder, configuration) as study:
         if budget > 1 or goal != "unflown":
-            carry_out(study, Objective(course, world, configuration.metric))
+            study.run(Objective(scenario, world, configuration.metric))
         return draw(folder, study, world, flights=4)
 
 
@@ -75,26 +75,26 @@ def test_any_study_can_be_drawn(tmp_path, world, goal, budget):
 
 
 def test_a_single_segment_can_be_drawn(tmp_path):
-    course = make_course()
-    course = replace(course, segments=Segments(np.zeros(1), (SegmentClass.STEEP,), course.reference.duration))
-    check(tmp_path, draw_study(tmp_path, course=course))
+    scenario = make_scenario()
+    scenario = replace(scenario, segments=Segments(np.zeros(1), (SegmentClass.STEEP,), scenario.reference.duration))
+    check(tmp_path, draw_study(tmp_path, scenario=scenario))
 
 
 def test_many_segments_can_be_drawn(tmp_path):
-    course = make_course()
+    scenario = make_scenario()
     kinds = tuple(SegmentClass) * 6
-    starts = np.arange(len(kinds)) * course.reference.duration / len(kinds)
-    course = replace(course, segments=Segments(starts, kinds, course.reference.duration))
-    check(tmp_path, draw_study(tmp_path, course=course))
+    starts = np.arange(len(kinds)) * scenario.reference.duration / len(kinds)
+    scenario = replace(scenario, segments=Segments(starts, kinds, scenario.reference.duration))
+    check(tmp_path, draw_study(tmp_path, scenario=scenario))
 
 
 def test_segments_of_several_pieces_can_be_drawn(tmp_path):
-    course, kinds = make_course(), (SegmentClass.ASCENT, SegmentClass.STEEP, SegmentClass.ASCENT)
-    segments = Segments(np.array([0.0, 1.0, 2.5]), kinds, course.reference.duration, (0, 1, 0))
-    course = replace(course, segments=segments)
-    check(tmp_path, draw_study(tmp_path, course=course))
-    draw_plan(tmp_path / "plan.png", course)
-    change = compare(course.space, segments, course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), 0.5)
+    scenario, kinds = make_scenario(), (SegmentClass.ASCENT, SegmentClass.STEEP, SegmentClass.ASCENT)
+    segments = Segments(np.array([0.0, 1.0, 2.5]), kinds, scenario.reference.duration, (0, 1, 0))
+    scenario = replace(scenario, segments=segments)
+    check(tmp_path, draw_study(tmp_path, scenario=scenario))
+    draw_plan(tmp_path / "plan.png", scenario)
+    change = compare(scenario.space, segments, scenario.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), 0.5)
     named = texts(figures.tuned_parameters(change, "straight"))
     assert "ascent  3.5 s" in named
     assert "steep  1.0–2.5 s" in named
@@ -105,13 +105,13 @@ def test_every_class_has_a_colour():
 
 
 def test_the_rule_closest_can_be_drawn(tmp_path):
-    check(tmp_path, draw_study(tmp_path, course=make_course(JudgeSettings(rule=Rule.CLOSEST, fly_on=True))))
+    check(tmp_path, draw_study(tmp_path, scenario=make_scenario(JudgeSettings(rule=GateRule.CLOSEST, fly_on=True))))
 
 
 def test_a_study_without_flights_can_be_drawn(tmp_path):
-    course = make_course()
+    scenario = make_scenario()
     configuration = Configuration(
-        course, "plausible", Metric.TIME, "metropolis_hastings:tied", TuningSettings(), course.space.first_guess(2)
+        scenario, "plausible", Metric.TIME, "metropolis_hastings:tied", TuningSettings(), scenario.space.first_guess(2)
     )
     with Study.open(tmp_path, configuration) as study:
         check(tmp_path, draw(tmp_path, study, PlausibleWorld(), flights=1))
@@ -145,15 +145,15 @@ def test_drawing_again_replaces_the_pictures(tmp_path):
 class WatchedWorld(PlausibleWorld):
     """Remembers what it was asked for."""
 
-    def fly(self, course, parameters, seeds, *, truth=None, log=()):
+    def fly(self, scenario, parameters, seeds, *, vehicle_parameters=None, log=()):
         self.asked = parameters, seeds, list(log)
-        return super().fly(course, parameters, seeds, truth=truth, log=log)
+        return super().fly(scenario, parameters, seeds, vehicle_parameters=vehicle_parameters, log=log)
 
 
 def test_best_and_first_guess_meet_the_same_noise_of_the_demonstration():
-    course, world, seeds = make_course(), WatchedWorld(), flight_seeds(3, Stream.DEMONSTRATION, 0, 4)
-    first, best = course.space.first_guess(2), np.tile(OPTIMUM, (2, 1))
-    scene = demonstrate(course, world, choose(course, first, best), seeds)
+    scenario, world, seeds = make_scenario(), WatchedWorld(), flight_seeds(3, Stream.DEMONSTRATION, 0, 4)
+    first, best = scenario.space.first_guess(2), np.tile(OPTIMUM, (2, 1))
+    scene = demonstrate(scenario, world, choose(scenario, first, best), seeds)
     parameters, flown, log = world.asked
     np.testing.assert_array_equal(flown, np.tile(seeds, 2))
     np.testing.assert_array_equal(parameters, np.concatenate([[best] * 4, [first] * 4]))
@@ -162,29 +162,29 @@ def test_best_and_first_guess_meet_the_same_noise_of_the_demonstration():
 
 
 def test_a_first_guess_that_is_the_best_is_flown_once():
-    course, world = make_course(), WatchedWorld()
-    guess = course.space.first_guess(2)
-    scene = demonstrate(course, world, choose(course, guess, guess.copy()), np.arange(4))
+    scenario, world = make_scenario(), WatchedWorld()
+    guess = scenario.space.first_guess(2)
+    scene = demonstrate(scenario, world, choose(scenario, guess, guess.copy()), np.arange(4))
     assert len(world.asked[1]) == 4
     assert [flight.label for flight in scene.traces] == ["best"]
 
 
 def test_a_guess_that_is_not_the_default_has_the_default_beside_it():
-    course, guess = make_course(), np.tile(OPTIMUM, (2, 1))
-    assert [one.label for one in choose(course, guess, guess.copy())] == ["best", "default"]
-    assert [one.label for one in choose(course, guess, 2 * guess)] == ["best", "first guess", "default"]
+    scenario, guess = make_scenario(), np.tile(OPTIMUM, (2, 1))
+    assert [one.label for one in choose(scenario, guess, guess.copy())] == ["best", "default"]
+    assert [one.label for one in choose(scenario, guess, 2 * guess)] == ["best", "first guess", "default"]
 
 
-def show(course, reach, count):
+def show(scenario, reach, count):
     """A good flight, and a bad one of the first guess."""
     best = np.tile(OPTIMUM, (2, 1))
-    return demonstrate(course, PlausibleWorld(reach=reach), choose(course, course.space.first_guess(2), best), np.arange(count))
+    return demonstrate(scenario, PlausibleWorld(reach=reach), choose(scenario, scenario.space.first_guess(2), best), np.arange(count))
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_a_plan_is_drawn_in_the_format_of_its_suffix(tmp_path, suffix):
     path = tmp_path / f"plan.{suffix}"
-    draw_plan(path, make_course())
+    draw_plan(path, make_scenario())
     assert path.read_bytes().startswith(SIGNATURES[suffix])
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
 
@@ -192,44 +192,44 @@ def test_a_plan_is_drawn_in_the_format_of_its_suffix(tmp_path, suffix):
 @pytest.mark.parametrize("name", ["plan.gif", "plan", "plan.toml", ".png"])
 def test_another_suffix_is_refused(tmp_path, name):
     with pytest.raises(InputError, match=r"\.png, \.pdf, \.svg"):
-        draw_plan(tmp_path / name, make_course())
+        draw_plan(tmp_path / name, make_scenario())
     assert not list(tmp_path.iterdir())
 
 
 def test_a_picture_that_cannot_be_written_is_an_input_error(tmp_path):
     with pytest.raises(InputError, match="cannot be written"):
-        draw_plan(tmp_path / "nowhere" / "plan.png", make_course())
+        draw_plan(tmp_path / "nowhere" / "plan.png", make_scenario())
 
 
 def test_a_plan_stands_on_end_or_on_a_point(tmp_path):
-    course = make_course()
+    scenario = make_scenario()
     for k, shape in enumerate(([0, 0, 1.0], [0, 0, 0.0], [0, 1.0, 0])):
-        position = course.reference.position[:, :1] * shape
-        draw_plan(tmp_path / f"{k}.png", replace(course, reference=replace(course.reference, position=position)))
+        position = scenario.reference.position[:, :1] * shape
+        draw_plan(tmp_path / f"{k}.png", replace(scenario, reference=replace(scenario.reference, position=position)))
 
 
 def test_settings_of_the_user_are_left_alone():
     with mpl.rc_context({"axes.grid": True, "font.size": 30.0, "backend": "agg"}):
         before = mpl.rcParams.copy()
-        figures.track(stage(make_course()))
+        figures.track(stage(make_scenario()))
         assert mpl.rcParams == before
 
 
 def test_settings_of_the_user_change_no_picture(tmp_path):
-    draw_plan(tmp_path / "plain.png", make_course())
+    draw_plan(tmp_path / "plain.png", make_scenario())
     with mpl.rc_context({"axes.grid": True, "font.size": 30.0, "lines.linewidth": 9, "savefig.dpi": 20, "savefig.bbox": "tight"}):
-        draw_plan(tmp_path / "odd.png", make_course())
+        draw_plan(tmp_path / "odd.png", make_scenario())
     assert (tmp_path / "plain.png").read_bytes() == (tmp_path / "odd.png").read_bytes()
 
 
 def test_no_figure_is_left_to_pyplot():
-    figures.track(stage(make_course()))
+    figures.track(stage(make_scenario()))
     pyplot = sys.modules.get("matplotlib.pyplot")
     assert pyplot is None or not pyplot.get_fignums()
 
 
 def test_nothing_below_loads_matplotlib():
-    code = "import hotlap, hotlap.study, hotlap.planning, hotlap.segmentation, sys; sys.exit('matplotlib' in sys.modules)"
+    code = "import hotlap, hotlap.study.study, hotlap.planning, hotlap.reference.segmentation, sys; sys.exit('matplotlib' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
@@ -247,24 +247,24 @@ def texts(figure: Figure) -> str:
 
 
 def test_every_axis_has_its_unit():
-    course = make_course()
-    scene = show(course, 20.0, 4)
+    scenario = make_scenario()
+    scene = show(scenario, 20.0, 4)
     assert all(words in texts(figures.track(scene)) for words in ("x [m]", "y [m]", "z [m]", "m/s", "start", "first guess"))
     error = texts(figures.tracking_error(scene))
     assert all(words in error for words in ("time [s]", "distance [m]", "1.3 m", "flat", "ascent", "missed gate"))
 
 
 def test_parameters_show_values_and_bounds():
-    course = make_course()
-    change = compare(course.space, course.segments, course.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), 0.5)
+    scenario = make_scenario()
+    change = compare(scenario.space, scenario.segments, scenario.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), 0.5)
     figure = figures.tuned_parameters(change, "straight")
     assert all(words in texts(figure) for words in (*change.names, "80", "400", "4.5", "× 0.5 s", "flat", "ascent", "1500"))
 
 
 def test_marks_that_do_not_occur_are_not_explained(tmp_path):
-    course = make_course()
+    scenario = make_scenario()
     configuration = Configuration(
-        course, "plausible", Metric.TIME, "metropolis_hastings:tied", TuningSettings(), course.space.first_guess(2)
+        scenario, "plausible", Metric.TIME, "metropolis_hastings:tied", TuningSettings(), scenario.space.first_guess(2)
     )
     with Study.open(tmp_path, configuration) as study:
         figure = figures.convergence(recount(study.flights(), parse_goal("none"), "cost [s]"), "straight")
@@ -277,16 +277,16 @@ def test_a_figure_of_one_file_is_saved_whole(tmp_path):
 
 
 def test_failures_are_shown_without_repeats_as_well():
-    course = make_course()
-    scene = show(course, 20.0, 4)
+    scenario = make_scenario()
+    scene = show(scenario, 20.0, 4)
     assert "failed flights" in texts(figures.track(scene))
     assert "failed flights" in texts(figures.track(replace(scene, repeats=())))
     assert "failed flights" not in texts(figures.track(replace(scene, repeats=(), traces=scene.traces[:1])))
 
 
 def test_an_error_above_the_chart_is_written():
-    course = make_course()
-    scene = show(course, 60.0, 1)
+    scenario = make_scenario()
+    scene = show(scenario, 60.0, 1)
     assert scene.traces[1].error[-1] > 2.3
     assert f"at {scene.traces[1].error[-1]:.1f} m" in texts(figures.tracking_error(scene))
 
@@ -308,19 +308,19 @@ def test_everything_of_a_study_without_flights_is_drawn(tmp_path):
 
 
 def test_inputs_have_their_units_and_limits_and_say_how_long_they_are_at_one():
-    course = make_course()
-    scene = show(course, 20.0, 2)
-    commands = np.tile([course.race.controller.thrust[1], 0, 0, 0], (len(scene.traces[0].times), 1))
+    scenario = make_scenario()
+    scene = show(scenario, 20.0, 2)
+    commands = np.tile([scenario.race.controller.thrust[1], 0, 0, 0], (len(scene.traces[0].times), 1))
     scene = replace(scene, traces=(replace(scene.traces[0], commands=commands), *scene.traces[1:]))
-    drawn = texts(figures.inputs(scene, course))
+    drawn = texts(figures.inputs(scene, scenario))
     assert all(words in drawn for words in ("[m/s²]", "[rad/s]", "[N]", "rotor 3", "100 % of the time", "0 % of the time"))
 
 
 def test_samples_and_sensitivity_name_every_parameter(tmp_path):
-    standing = carry(tmp_path, configure(budget=12, goal="none"))
-    course, best = standing.configuration.course, standing.best
-    looked = collect(standing.ledger, parse_goal("none"))
-    found = survey_sensitivity(course, PlausibleWorld(), best, 0, flights=2)
-    change = compare(course.space, course.segments, best, best, 0.5)
-    for drawn in (texts(figures.samples(looked, course.space, best, "x")), texts(figures.sensitivity(found, change, "x"))):
-        assert all(name in drawn for name in course.space.names)
+    snapshot = carry(tmp_path, configure(budget=12, goal="none"))
+    scenario, best = snapshot.configuration.scenario, snapshot.best
+    looked = collect(snapshot.ledger, parse_goal("none"))
+    found = survey_sensitivity(scenario, PlausibleWorld(), best, 0, flights=2)
+    change = compare(scenario.space, scenario.segments, best, best, 0.5)
+    for drawn in (texts(figures.samples(looked, scenario.space, best, "x")), texts(figures.sensitivity(found, change, "x"))):
+        assert all(name in drawn for name in scenario.space.names)

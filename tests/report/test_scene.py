@@ -6,61 +6,61 @@ import numpy as np
 import pytest
 from plausible_world import OPTIMUM, PlausibleWorld
 
-from fake_world import make_course
-from hotlap.goal import parse_goal
-from hotlap.ledger import Ledger, enter
-from hotlap.race import JudgeSettings, Rule
-from hotlap.records import End
+from fake_world import make_scenario
+from hotlap.core.ledger import Ledger, enter
+from hotlap.core.records import End
+from hotlap.core.seeds import Stream
+from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.report.history import compare, recount
 from hotlap.report.scene import repeat, stage, trace
-from hotlap.scoring import score
-from hotlap.seeds import Stream
+from hotlap.tuning.goal import parse_goal
+from hotlap.tuning.scoring import score
 
 
-def fly(course, world=None, spread=(1.0, 40.0), count=2):
+def fly(scenario, world=None, spread=(1.0, 40.0), count=2):
     """Good flights and bad ones, all recorded."""
     parameters = np.repeat(np.array([np.tile(OPTIMUM * factor, (2, 1)) for factor in spread]), count, axis=0)
-    return (world or PlausibleWorld()).fly(course, parameters, np.arange(len(parameters)), log=range(len(parameters)))
+    return (world or PlausibleWorld()).fly(scenario, parameters, np.arange(len(parameters)), log=range(len(parameters)))
 
 
 def test_a_complete_flight_is_traced_to_the_end_of_the_plan():
-    course = make_course()
-    flown = trace(course, fly(course), 0, "best")
+    scenario = make_scenario()
+    flown = trace(scenario, fly(scenario), 0, "best")
     assert not flown.failed
-    assert flown.times[-1] == pytest.approx(course.reference.duration)
-    np.testing.assert_allclose(flown.error, np.linalg.norm(flown.position - course.reference.position_at(flown.times), axis=1))
+    assert flown.times[-1] == pytest.approx(scenario.reference.duration)
+    np.testing.assert_allclose(flown.error, np.linalg.norm(flown.position - scenario.reference.position_at(flown.times), axis=1))
     assert flown.ending == "all 5 gates"
 
 
 @pytest.mark.parametrize(("crash", "end", "words"), [(False, End.MISSED, "missed gate 4"), (True, End.CRASHED, "crashed before gate 4")])
 def test_a_failed_flight_is_traced_to_where_it_ended(crash, end, words):
-    course = make_course()
-    flown = trace(course, fly(course, PlausibleWorld(crash=crash)), 2, "first guess")
+    scenario = make_scenario()
+    flown = trace(scenario, fly(scenario, PlausibleWorld(crash=crash)), 2, "first guess")
     assert flown.end is end
     assert flown.ending == words
     assert flown.times[-1] == pytest.approx(flown.end_time)
     assert np.isnan(flown.gate_distance[4:]).all()
 
 
-@pytest.mark.parametrize(("rule", "share"), [(Rule.CLOCK, 1.0), (Rule.CLOSEST, 0.5)])
+@pytest.mark.parametrize(("rule", "share"), [(GateRule.CLOCK, 1.0), (GateRule.CLOSEST, 0.5)])
 def test_gates_are_measured_as_they_are_judged(rule, share):
-    course = make_course(JudgeSettings(rule=rule, distance=1.3))
-    flights = fly(course)
-    flown = trace(course, flights, 0, "best")
+    scenario = make_scenario(JudgeSettings(rule=rule, distance=1.3))
+    flights = fly(scenario)
+    flown = trace(scenario, flights, 0, "best")
     np.testing.assert_allclose(flown.gate_distance, share * flights.clock_distance[0])
-    np.testing.assert_allclose(flown.seen_times, course.reference.gate_times)
+    np.testing.assert_allclose(flown.seen_times, scenario.reference.gate_times)
 
 
 def test_rows_that_are_no_numbers_are_left_out():
-    course = make_course()
-    flights = fly(course)
+    scenario = make_scenario()
+    flights = fly(scenario)
     flights.logs[0].states[100:, 7] = np.inf
-    assert len(trace(course, flights, 0, "best").times) == 100
+    assert len(trace(scenario, flights, 0, "best").times) == 100
 
 
 def test_failures_are_where_flights_ended():
-    course = make_course()
-    flights = fly(course)
+    scenario = make_scenario()
+    flights = fly(scenario)
     good, bad = repeat(flights, slice(0, 2), "best"), repeat(flights, slice(2, 4), "first guess")
     assert (good.flights, good.complete, len(good.failures)) == (2, 2, 0)
     assert (bad.flights, bad.complete) == (2, 0)
@@ -68,29 +68,29 @@ def test_failures_are_where_flights_ended():
 
 
 def test_an_end_that_is_nowhere_is_not_shown():
-    course = make_course()
-    flights = fly(course)
+    scenario = make_scenario()
+    flights = fly(scenario)
     flights.end_position[2] = np.nan
     assert len(repeat(flights, slice(2, 4), "first guess").failures) == 1
 
 
-def test_a_scene_knows_its_course():
-    scene = stage(make_course())
+def test_a_scene_knows_its_scenario():
+    scene = stage(make_scenario())
     assert scene.race == "straight"
     assert len(scene.path) == scene.reference.planned_rows == 501
     assert scene.distance == 1.3
 
 
-def ledger(course, streams):
+def ledger(scenario, streams):
     parameters = np.array([np.tile(OPTIMUM * factor, (2, 1)) for factor in np.geomspace(40.0, 1.0, len(streams))])
     seeds = np.arange(len(streams))
-    scores = score(PlausibleWorld(noise=0.1).fly(course, parameters, seeds), course.race.judge)
+    scores = score(PlausibleWorld(noise=0.1).fly(scenario, parameters, seeds), scenario.race.judge)
     rows = [enter(i, stream, parameters[i : i + 1], seeds[i : i + 1], scores.rows(slice(i, i + 1))) for i, stream in enumerate(streams)]
     return Ledger.join(rows)
 
 
 def test_a_history_counts_from_one_and_leaves_the_validation_out():
-    flown = ledger(make_course(), [Stream.SEARCH, Stream.SEARCH, Stream.CONFIRMATION, Stream.VALIDATION])
+    flown = ledger(make_scenario(), [Stream.SEARCH, Stream.SEARCH, Stream.CONFIRMATION, Stream.VALIDATION])
     history = recount(flown, parse_goal("completion=1"), "cost [s]")
     np.testing.assert_array_equal(history.numbers, [1, 2, 3])
     np.testing.assert_array_equal(history.searching, [True, True, False])
@@ -98,7 +98,7 @@ def test_a_history_counts_from_one_and_leaves_the_validation_out():
 
 
 def test_the_best_so_far_only_improves_and_knows_no_re_flights():
-    flown = ledger(make_course(), [Stream.CONFIRMATION, *[Stream.SEARCH] * 6, Stream.CONFIRMATION])
+    flown = ledger(make_scenario(), [Stream.CONFIRMATION, *[Stream.SEARCH] * 6, Stream.CONFIRMATION])
     history = recount(flown, parse_goal("none"), "cost [s]")
     assert np.isnan(history.best_cost[0])
     assert (np.diff(history.best_cost[1:]) <= 0).all()
@@ -108,7 +108,7 @@ def test_the_best_so_far_only_improves_and_knows_no_re_flights():
 
 @pytest.mark.parametrize("goal", ["completion=0.5", "mean_error<0.4", "max_error<1", "none"])
 def test_what_failed_is_what_missed_the_goal(goal):
-    flown = ledger(make_course(), [Stream.SEARCH] * 8)
+    flown = ledger(make_scenario(), [Stream.SEARCH] * 8)
     complete = flown.completion >= 1
     expected = {
         "completion=0.5": flown.completion >= 0.5,
@@ -120,16 +120,16 @@ def test_what_failed_is_what_missed_the_goal(goal):
 
 
 def test_a_change_names_the_unit_of_the_horizon():
-    course = make_course()
-    guess = course.space.first_guess(2)
-    change = compare(course.space, course.segments, guess, guess * 0.9, 0.5)
+    scenario = make_scenario()
+    guess = scenario.space.first_guess(2)
+    change = compare(scenario.space, scenario.segments, guess, guess * 0.9, 0.5)
     assert change.units == ("", "", "", "", "0.5 s")
     assert len(change.names) == change.before.shape[1]
 
 
 def test_a_flight_that_flew_on_after_a_miss_has_failed():
-    course = make_course()
-    flights = fly(course)
+    scenario = make_scenario()
+    flights = fly(scenario)
     flights.end[2:] = int(End.FINISHED)
-    assert trace(course, flights, 2, "first guess").ending == "missed gate 4"
+    assert trace(scenario, flights, 2, "first guess").ending == "missed gate 4"
     assert repeat(flights, slice(2, 4), "first guess").complete == 0

@@ -14,7 +14,7 @@ from optuna.study import Study
 from optuna.trial import TrialState
 
 from hotlap import tuners
-from hotlap.errors import UnknownNameError
+from hotlap.core.errors import UnknownNameError
 from hotlap.optuna import HotlapSampler
 from hotlap.optuna.run import Note, Origin
 from sampler.recording import Recorder

@@ -8,8 +8,8 @@ from math import erf, sqrt
 
 import numpy as np
 
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.records import Scores
 from hotlap.tuners import Tuner
 
 

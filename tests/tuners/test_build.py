@@ -7,14 +7,14 @@ import sys
 import numpy as np
 import pytest
 
-from fake_world import FakeWorld, make_course
+from fake_world import FakeWorld, make_scenario
 from hotlap import tuners
-from hotlap.configuration import Configuration
-from hotlap.errors import InputError, UnknownNameError
-from hotlap.objective import Objective
-from hotlap.scoring import Metric
-from hotlap.study import Study, carry_out
-from hotlap.tuning import TuningSettings
+from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.study.configuration import Configuration
+from hotlap.study.study import Study
+from hotlap.tuning.loop import TuningSettings
+from hotlap.tuning.objective import Objective
+from hotlap.tuning.scoring import Metric
 
 MODULE = '''
 from hotlap.tuners.random_search import PRESETS, RandomSearch
@@ -41,11 +41,11 @@ def test_presets_are_found_as_those_of_built_in_tuners(module):
 
 
 def test_it_has_studies_that_are_resumed(module, tmp_path):
-    course = make_course()
+    scenario = make_scenario()
     name = tuners.build(f"{module}.Mine").name
-    asked = Configuration(course, "fake", Metric.TIME, name, TuningSettings(budget=12, validation=0), course.space.first_guess(2))
+    asked = Configuration(scenario, "fake", Metric.TIME, name, TuningSettings(budget=12, validation=0), scenario.space.first_guess(2))
     with Study.open(tmp_path / "study", asked) as study:
-        result = carry_out(study, Objective(course, FakeWorld(reach=50.0)))
+        result = study.run(Objective(scenario, FakeWorld(reach=50.0)))
     with Study.read(tmp_path / "study") as study:
         assert study.tuning.tuner.name == result.tuner == name
         assert np.array_equal(study.result.best.parameters, result.best.parameters)

@@ -15,9 +15,9 @@ import pytest
 
 import hotlap.tuners
 from hotlap import tuners
-from hotlap.errors import UnknownNameError
-from hotlap.parameters import ParameterSpace
-from hotlap.records import Scores
+from hotlap.core.errors import UnknownNameError
+from hotlap.core.parameters import ParameterSpace
+from hotlap.core.records import Scores
 
 from .laws import make_scores
 
@@ -153,7 +153,7 @@ def test_an_unknown_name_is_refused_with_those_that_there_are(name):
 
 
 def test_tuners_know_parameters_and_records_and_nothing_else_of_hotlap():
-    allowed = {"hotlap.parameters", "hotlap.records", "hotlap.errors"}
+    allowed = {"hotlap.core.parameters", "hotlap.core.records", "hotlap.core.errors"}
     for path in Path(str(hotlap.tuners.__file__)).parent.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             modules = (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from hotlap.controllers import TUNABLE, ControllerKind, space_of
+from hotlap.race.controllers import TUNABLE, ControllerKind, space_of
 from hotlap.tuners.offsets import Offsets
 
 TUNED = TUNABLE[ControllerKind.MPC]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hotlap.controllers import TUNABLE, ControllerKind
-from hotlap.parameters import ParameterSpace
+from hotlap.core.parameters import ParameterSpace
+from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.tuners import Tuner, build
 from hotlap.tuners.gaussian_process import Prior, condition
 from hotlap.tuners.safe_bayesian import PRESETS, PRIOR, SafeBayesian, Settings, choose, expanders

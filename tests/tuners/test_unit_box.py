@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from hotlap.controllers import TUNABLE, ControllerKind, space_of
+from hotlap.race.controllers import TUNABLE, ControllerKind, space_of
 from hotlap.tuners.unit_box import UnitBox, latin_hypercube
 
 TUNED = TUNABLE[ControllerKind.MPC]

@@ -107,7 +107,7 @@ function listen(app: App, said: HTMLElement): (plot: uPlot) => void {
       const number = plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x");
       const rows = shownRows(flights);
       const row = rows.reduce((best, i) => (Math.abs(flights.number.values[i] - number) < Math.abs(flights.number.values[best] - number) ? i : best), rows[0]);
-      said.textContent = describe(flights, row, app.parts.course.value.segment_names);
+      said.textContent = describe(flights, row, app.parts.scenario.value.segment_names);
     };
   };
 }

@@ -23,14 +23,14 @@ export function learnt(app: App): { readonly element: HTMLElement; readonly buil
     const tried = samples.value?.parameters.shape[0] ?? 0;
     if (!samples.value || !parameters.value || tried < FEW) return renew(body, `${count(tried, "search flight")}: too few to see anything.`);
     renew(body, said, canvas);
-    const names = app.parts.course.value.segment_names;
+    const names = app.parts.scenario.value.segment_names;
     const segment = Math.min(app.chosen.value, names.length - 1);
     said.replaceChildren(...keys(samples.value));
     canvas.setAttribute("aria-label", `parameters tried in segment ${names[segment]}, each by itself and in pairs`);
     draw(canvas, samples.value, parameters.value, segment, palette(app.theme.value));
   };
-  const { samples, parameters, course } = app.parts;
-  for (const signal of [samples, parameters, course, app.chosen, app.theme]) signal.after(build);
+  const { samples, parameters, scenario } = app.parts;
+  for (const signal of [samples, parameters, scenario, app.chosen, app.theme]) signal.after(build);
   keepFitting(body, build);
   const note = "Parameters that the search tried in one segment, on logarithmic axes from bound to bound: each by itself, and in pairs.";
   return { element: card("learnt", "What was learnt", note, segmentSwitch(app, "learnt"), body), build };

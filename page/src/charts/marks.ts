@@ -1,7 +1,7 @@
 /** Marks: what is drawn into charts beside their lines; all sizes in CSS pixels. */
 import uPlot from "uplot";
 import type { Palette } from "../colours";
-import type { Course } from "../data";
+import type { Scenario } from "../data";
 
 /** Where a value of x lies on the canvas. */
 const across = (plot: uPlot, x: number): number => plot.valToPos(x, "x", true);
@@ -38,7 +38,7 @@ export function level(plot: uPlot, pen: CanvasRenderingContext2D, value: number,
 }
 
 /** Gates as ticks on the axis, the lit segment as a band, the others as edges. */
-export function course(plot: uPlot, pen: CanvasRenderingContext2D, track: Course, at: (time: number) => number, lit: number | null, colours: Palette): void {
+export function scenario(plot: uPlot, pen: CanvasRenderingContext2D, track: Scenario, at: (time: number) => number, lit: number | null, colours: Palette): void {
   const { left, top, width, height } = plot.bbox;
   const ratio = uPlot.pxRatio;
   for (const piece of track.pieces) {

@@ -25,7 +25,7 @@ function axisSwitch(app: App): HTMLElement {
 }
 
 function error(app: App): Quantity {
-  const { gate_distance } = app.parts.course.value;
+  const { gate_distance } = app.parts.scenario.value;
   return {
     title: "tracking error",
     unit: "m",
@@ -37,18 +37,18 @@ function error(app: App): Quantity {
 }
 
 function speed(app: App): Quantity {
-  return { title: "speed", unit: "m/s", height: 190, of: (trace) => trace.speed, reference: app.parts.course.value.reference.speed };
+  return { title: "speed", unit: "m/s", height: 190, of: (trace) => trace.speed, reference: app.parts.scenario.value.reference.speed };
 }
 
 function thrust(app: App): Quantity {
-  const { reference, limits } = app.parts.course.value;
+  const { reference, limits } = app.parts.scenario.value;
   const [low, high] = limits.thrust;
   return { title: "thrust command per mass", unit: "m/s²", height: 150, of: (trace) => trace.command_thrust, reference: reference.thrust, limits: [low ?? null, high ?? null] };
 }
 
 function rate(axis: number): (app: App) => Quantity {
   return (app) => {
-    const { reference, limits } = app.parts.course.value;
+    const { reference, limits } = app.parts.scenario.value;
     const limit = limits.rates[axis] ?? null;
     return {
       title: `${NAMES[axis]} command`,

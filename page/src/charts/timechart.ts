@@ -8,7 +8,7 @@ import { find, lastTime, lengths, progress } from "../flight";
 import { digits } from "../format";
 import { h } from "../dom";
 import { type Drawing, Frame } from "./frame";
-import { beyond, course as drawCourse, level, mark } from "./marks";
+import { beyond, scenario as drawCourse, level, mark } from "./marks";
 
 const OFTEN = 100; // ms; numbers that change faster cannot be read
 
@@ -48,8 +48,8 @@ export class TimeChart {
     const host = h("div", { class: "plot", role: "img", "aria-label": `${title} in ${unit} over time, in the study's data also as numbers` });
     this.element = h("figure", { class: "chart" }, h("figcaption", {}, h("span", {}, `${title} [${unit}]`), this.readout), host);
     this.frame = new Frame(app, host, height, (colours) => this.draw(colours), (plot) => this.attach(plot));
-    const { traces, course } = app.parts;
-    for (const signal of [traces, course, app.shown, app.axis, app.theme]) signal.after(() => this.frame.build());
+    const { traces, scenario } = app.parts;
+    for (const signal of [traces, scenario, app.shown, app.axis, app.theme]) signal.after(() => this.frame.build());
     app.lit.after(() => this.frame.plot?.redraw(false));
     app.clock.time.after(() => this.point());
     app.clock.playing.after(() => this.point());
@@ -62,7 +62,7 @@ export class TimeChart {
   private draw(colours: Palette): Drawing {
     const { app } = this;
     const quantity = this.quantity();
-    const track = app.parts.course.value;
+    const track = app.parts.scenario.value;
     const along = app.axis.value === "distance";
     const reached = lengths(track);
     this.grid = along ? reached : track.reference.time.values;
@@ -160,7 +160,7 @@ export class TimeChart {
   private seek(pixels: number): void {
     const plot = this.frame.plot;
     if (!plot) return;
-    const times = this.app.parts.course.value.reference.time.values;
+    const times = this.app.parts.scenario.value.reference.time.values;
     const at = find(this.grid, plot.posToVal(pixels, "x"));
     const low = Math.floor(at);
     const high = Math.min(low + 1, times.length - 1);
@@ -169,7 +169,7 @@ export class TimeChart {
 
   /** Where a time [s] lies on the axis. */
   private place(time: number): number {
-    const at = find(this.app.parts.course.value.reference.time.values, time);
+    const at = find(this.app.parts.scenario.value.reference.time.values, time);
     const low = Math.floor(at);
     const next = Math.min(low + 1, this.grid.length - 1);
     return this.grid[low] + (at - low) * (this.grid[next] - this.grid[low]);

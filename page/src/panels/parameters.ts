@@ -17,10 +17,10 @@ export function parameters(app: App): HTMLElement {
     const segment = Math.min(app.pointed.value ?? app.chosen.value, count - 1);
     const cares = app.parts.sensitivity.value?.by_segment ?? null;
     const rows = set.names.map((_, k) => row(set, segment, k, cares));
-    renew(body, h("table", { class: "parameters" }, head(cares !== null), h("tbody", {}, ...rows)), kept(set), all(set, app.parts.course.value.segment_names));
+    renew(body, h("table", { class: "parameters" }, head(cares !== null), h("tbody", {}, ...rows)), kept(set), all(set, app.parts.scenario.value.segment_names));
   };
-  const { parameters: set, sensitivity, course } = app.parts;
-  for (const signal of [set, sensitivity, course, app.chosen, app.pointed]) signal.after(build);
+  const { parameters: set, sensitivity, scenario } = app.parts;
+  for (const signal of [set, sensitivity, scenario, app.chosen, app.pointed]) signal.after(build);
   build();
   return card("parameters", "What was tuned", "", segmentSwitch(app, "parameters"), body);
 }

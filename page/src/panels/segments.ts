@@ -5,14 +5,14 @@ import { h, renew } from "../dom";
 export function segmentSwitch(app: App, id: string): HTMLElement {
   const element = h("div", { class: "switch segments", role: "group", "aria-label": "Segment" });
   const build = (): void => {
-    const names = app.parts.course.value.segment_names;
+    const names = app.parts.scenario.value.segment_names;
     renew(element, ...names.map((name, segment) => button(app, `${id}-segment-${segment}`, name, segment)));
     press();
   };
   const press = (): void => {
     for (const child of element.children) child.setAttribute("aria-pressed", String(Number((child as HTMLElement).dataset.segment) === app.chosen.value));
   };
-  app.parts.course.after(build);
+  app.parts.scenario.after(build);
   app.chosen.after(press);
   build();
   return element;

@@ -16,12 +16,12 @@ export function slider(app: App): HTMLElement {
     input.value = String(time);
     input.setAttribute("aria-valuetext", `${time.toFixed(2)} seconds`);
   });
-  app.parts.course.watch((course) => {
-    input.max = String(course.duration);
+  app.parts.scenario.watch((scenario) => {
+    input.max = String(scenario.duration);
     input.value = String(clock.time.value);
-    const share = (time: number): string => `${(100 * time) / course.duration}%`;
-    const ticks = s("svg", { class: "ticks" }, ...Array.from(course.gate_times.values, (time) => s("line", { x1: share(time), x2: share(time), y1: 0, y2: "100%" })));
-    renew(bands, ...course.pieces.map((piece) => band(app, piece.segment, share(piece.start), share(piece.end - piece.start), course.segment_names[piece.segment])), ticks);
+    const share = (time: number): string => `${(100 * time) / scenario.duration}%`;
+    const ticks = s("svg", { class: "ticks" }, ...Array.from(scenario.gate_times.values, (time) => s("line", { x1: share(time), x2: share(time), y1: 0, y2: "100%" })));
+    renew(bands, ...scenario.pieces.map((piece) => band(app, piece.segment, share(piece.start), share(piece.end - piece.start), scenario.segment_names[piece.segment])), ticks);
     light(bands, app.lit.value);
   });
   app.lit.after((segment) => light(bands, segment));

@@ -72,7 +72,7 @@ function scale(app: App): HTMLElement {
   const bar = h("div", { class: "bar" });
   const most = h("span", {});
   app.theme.watch((theme) => (bar.style.background = gradient(theme)));
-  app.parts.course.watch((course) => (most.textContent = `${course.reference.speed.values.reduce((a, b) => Math.max(a, b), 0).toFixed(0)} m/s`));
+  app.parts.scenario.watch((scenario) => (most.textContent = `${scenario.reference.speed.values.reduce((a, b) => Math.max(a, b), 0).toFixed(0)} m/s`));
   return h("div", { class: "scale", "aria-label": "colour of the trail: speed" }, h("span", {}, "0"), bar, most);
 }
 
@@ -88,8 +88,8 @@ function controls(app: App): HTMLElement {
   rate.addEventListener("change", () => (clock.rate.value = Number(rate.value)));
   clock.rate.watch((value) => (rate.value = String(value)));
   const now = h("output", { class: "now", id: "now", for: "time" });
-  const show = (): void => void (now.textContent = `${clock.time.value.toFixed(2)} of ${seconds(app.parts.course.value.duration)}`);
+  const show = (): void => void (now.textContent = `${clock.time.value.toFixed(2)} of ${seconds(app.parts.scenario.value.duration)}`);
   clock.time.watch(show);
-  app.parts.course.after(show);
+  app.parts.scenario.after(show);
   return h("div", { class: "controls" }, play, rate, slider(app), now);
 }

@@ -1,7 +1,7 @@
 /** Backdrop: the reference as a thin line, the lit segment, and a grid below with a plumb line from each gate. */
 import { BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, type Mesh } from "three";
 import type { Palette } from "../colours";
-import type { Course } from "../data";
+import type { Scenario } from "../data";
 import { row } from "../table";
 import { find } from "../flight";
 import { hair, ribbon } from "./lines";
@@ -18,18 +18,18 @@ export class Backdrop {
   private readonly pieces: { readonly line: Mesh; readonly segment: number }[] = [];
 
   constructor(
-    course: Course,
+    scenario: Scenario,
     extent: Extent,
     readonly palette: Palette,
   ) {
     this.cell = step(Math.max(extent.high[0] - extent.low[0], extent.high[1] - extent.low[1]));
-    const ground = course.floor ?? extent.low[2] - Math.max(1, 0.04 * this.size(extent));
-    this.group.add(this.grid(extent, ground), this.plumbs(course, ground));
-    this.group.add(hair(course.reference.position.values, palette.quiet));
-    for (const piece of course.pieces) {
-      const times = course.reference.time.values;
+    const ground = scenario.floor ?? extent.low[2] - Math.max(1, 0.04 * this.size(extent));
+    this.group.add(this.grid(extent, ground), this.plumbs(scenario, ground));
+    this.group.add(hair(scenario.reference.position.values, palette.quiet));
+    for (const piece of scenario.pieces) {
+      const times = scenario.reference.time.values;
       const [first, last] = [Math.floor(find(times, piece.start)), Math.ceil(find(times, piece.end))];
-      const points = course.reference.position.values.subarray(3 * first, 3 * (last + 1));
+      const points = scenario.reference.position.values.subarray(3 * first, 3 * (last + 1));
       if (points.length < 6) continue;
       const lit = ribbon(points, 10, palette.accent, 0.35);
       lit.visible = false;
@@ -56,11 +56,11 @@ export class Backdrop {
     return thin(points, this.palette.faint, 1);
   }
 
-  private plumbs(course: Course, ground: number): LineSegments {
+  private plumbs(scenario: Scenario, ground: number): LineSegments {
     const points: number[] = [];
-    for (let gate = 0; gate < course.gates.shape[0]; gate++) {
-      const [x, y, z] = row(course.gates, gate);
-      points.push(x, y, Math.max(z - course.gate_distance, ground), x, y, ground);
+    for (let gate = 0; gate < scenario.gates.shape[0]; gate++) {
+      const [x, y, z] = row(scenario.gates, gate);
+      points.push(x, y, Math.max(z - scenario.gate_distance, ground), x, y, ground);
     }
     return thin(points, this.palette.quiet, 0.35);
   }

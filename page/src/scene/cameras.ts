@@ -2,7 +2,7 @@
 import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Camera } from "../app";
-import type { Course } from "../data";
+import type { Scenario } from "../data";
 import { row } from "../table";
 import { between, find } from "../flight";
 import type { Extent } from "./backdrop";
@@ -20,7 +20,7 @@ export class Cameras {
   private kept: { position: Vector3; target: Vector3 } | null = null;
 
   constructor(
-    private readonly course: Course,
+    private readonly scenario: Scenario,
     private readonly extent: Extent,
     canvas: HTMLCanvasElement,
     changed: () => void,
@@ -31,7 +31,7 @@ export class Cameras {
     this.controls.addEventListener("change", changed);
     canvas.style.touchAction = "pan-y"; // a finger that moves up or down moves the page
     this.middle = new Vector3(...extent.low).add(new Vector3(...extent.high)).multiplyScalar(0.5);
-    this.points = sight(course);
+    this.points = sight(scenario);
     this.show("orbit");
   }
 
@@ -71,7 +71,7 @@ export class Cameras {
 
   /** [m] behind the drone. */
   get followed(): number {
-    return Math.max(5, 4 * this.course.gate_distance);
+    return Math.max(5, 4 * this.scenario.gate_distance);
   }
 
   private keep(): void {
@@ -91,7 +91,7 @@ export class Cameras {
 
   /** x to the right where the track is wide, up where it is deep. */
   private lookDown(): void {
-    const [wide, deep] = [0, 1].map((k) => this.extent.high[k] - this.extent.low[k] + 4 * this.course.gate_distance);
+    const [wide, deep] = [0, 1].map((k) => this.extent.high[k] - this.extent.low[k] + 4 * this.scenario.gate_distance);
     const tangent = Math.tan((FIELD * Math.PI) / 360);
     const flat = (wide >= deep) === (this.camera.aspect >= 1);
     const [across, up] = flat ? [wide, deep] : [deep, wide];
@@ -103,13 +103,13 @@ export class Cameras {
   }
 
   private referenceAt(time: number): Vector3 {
-    const at = find(this.course.reference.time.values, time);
-    return new Vector3(...[0, 1, 2].map((k) => between(this.course.reference.position, at, k)));
+    const at = find(this.scenario.reference.time.values, time);
+    return new Vector3(...[0, 1, 2].map((k) => between(this.scenario.reference.position, at, k)));
   }
 
   /** Unit vector along the reference, level, averaged so that the camera does not shake. */
   private way(time: number): Vector3 {
-    for (let span = LOOK; span < this.course.duration; span *= 2) {
+    for (let span = LOOK; span < this.scenario.duration; span *= 2) {
       const way = this.referenceAt(time + span).sub(this.referenceAt(time - span));
       way.z *= 0.5;
       if (way.length() > 0.5 && Math.hypot(way.x, way.y) > 0.2 * way.length()) return way.normalize();
@@ -119,11 +119,11 @@ export class Cameras {
 }
 
 /** What has to be seen: the reference and the gates. */
-function sight(course: Course): Vector3[] {
-  const { position } = course.reference;
+function sight(scenario: Scenario): Vector3[] {
+  const { position } = scenario.reference;
   const stride = Math.max(1, Math.floor(position.shape[0] / 150));
   const path = Array.from({ length: Math.ceil(position.shape[0] / stride) }, (_, i) => row(position, i * stride));
-  const gates = Array.from({ length: course.gates.shape[0] }, (_, gate) => row(course.gates, gate));
+  const gates = Array.from({ length: scenario.gates.shape[0] }, (_, gate) => row(scenario.gates, gate));
   return [...path, ...gates].map((point) => new Vector3().fromArray(point));
 }
 

@@ -2,7 +2,7 @@
 import { BoxGeometry, type BufferGeometry, CircleGeometry, ConeGeometry, CylinderGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, Quaternion, RingGeometry } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import type { Palette } from "../colours";
-import type { Course, Trace } from "../data";
+import type { Scenario, Trace } from "../data";
 import { between, find } from "../flight";
 import { label } from "./sprites";
 
@@ -22,14 +22,14 @@ export class Drone {
   private readonly full: number;
 
   constructor(
-    course: Course,
+    scenario: Scenario,
     readonly trace: Trace,
     colour: string,
     palette: Palette,
     private readonly ghost: boolean,
   ) {
-    this.full = course.limits.rotor_thrust[1] || 1;
-    const places = PLACES[course.layout];
+    this.full = scenario.limits.rotor_thrust[1] || 1;
+    const places = PLACES[scenario.layout];
     const opacity = ghost ? 0.55 : 1;
     const frame = new MeshBasicMaterial({ color: palette.ink, transparent: ghost, opacity });
     const paint = new MeshBasicMaterial({ color: colour, transparent: ghost, opacity, side: DoubleSide });

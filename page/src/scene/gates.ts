@@ -1,7 +1,7 @@
 /** Gates: rings of the judged distance, across the way of the reference, with their numbers. */
 import { Group, type PerspectiveCamera, type Sprite, Vector3 } from "three";
 import type { Palette } from "../colours";
-import type { Course } from "../data";
+import type { Scenario } from "../data";
 import { row } from "../table";
 import { between, find } from "../flight";
 import { runs } from "../format";
@@ -18,28 +18,28 @@ export class Gates {
   private readonly numbers: { readonly sprite: Sprite; readonly gates: readonly number[] }[] = [];
 
   constructor(
-    private readonly course: Course,
+    private readonly scenario: Scenario,
     palette: Palette,
   ) {
-    const circles = Array.from({ length: course.gates.shape[0] }, (_, gate) => circle(course, gate));
+    const circles = Array.from({ length: scenario.gates.shape[0] }, (_, gate) => circle(scenario, gate));
     this.group.add(ribbons(circles, 1.5, palette.quiet));
     this.marked = circles.map((points) => ribbon(points, 3.5, palette.ink));
     this.group.add(...this.marked);
-    for (const members of group(course)) this.number(members, palette);
+    for (const members of group(scenario)) this.number(members, palette);
   }
 
   /** Marks the next gate at a time, and those of a segment. */
   update(time: number, segment: number | null): void {
-    const next = this.course.gate_times.values.findIndex((gate) => gate >= time);
+    const next = this.scenario.gate_times.values.findIndex((gate) => gate >= time);
     this.marked.forEach((ring, gate) => {
-      const mine = segment !== null && this.course.gate_segments[gate] === segment;
+      const mine = segment !== null && this.scenario.gate_segments[gate] === segment;
       ring.visible = mine || gate === next;
     });
   }
 
   /** Hides numbers that would cover others: the next gates come first, then those that are near. */
   declutter(camera: PerspectiveCamera, time: number): void {
-    const next = this.course.gate_times.values.findIndex((gate) => gate >= time);
+    const next = this.scenario.gate_times.values.findIndex((gate) => gate >= time);
     const seen = this.numbers.map(({ sprite, gates }) => {
       const soon = gates.some((gate) => gate === next) ? 0 : gates.some((gate) => gate === next + 1) ? 1 : 2;
       return { sprite, soon, far: camera.position.distanceTo(sprite.position), at: sprite.position.clone().project(camera) };
@@ -55,8 +55,8 @@ export class Gates {
 
   private number(members: readonly number[], palette: Palette): void {
     const sprite = label(runs(members, 3), palette.ink, palette.face);
-    sprite.position.fromArray(row(this.course.gates, members[0]));
-    sprite.position.z += this.course.gate_distance * 1.05;
+    sprite.position.fromArray(row(this.scenario.gates, members[0]));
+    sprite.position.z += this.scenario.gate_distance * 1.05;
     sprite.center.set(0.5, -0.05);
     this.group.add(sprite);
     this.numbers.push({ sprite, gates: members });
@@ -64,36 +64,36 @@ export class Gates {
 }
 
 /** Points around a gate, across the way of the reference. */
-function circle(course: Course, gate: number): Float32Array {
-  const way = heading(course, gate);
-  const middle = new Vector3().fromArray(row(course.gates, gate));
+function circle(scenario: Scenario, gate: number): Float32Array {
+  const way = heading(scenario, gate);
+  const middle = new Vector3().fromArray(row(scenario.gates, gate));
   const across = new Vector3(0, 0, 1).cross(way);
   if (across.lengthSq() < 1e-6) across.set(1, 0, 0);
   across.normalize();
   const up = way.clone().cross(across);
   const points = Array.from({ length: CORNERS + 1 }, (_, i) => {
     const angle = (2 * Math.PI * i) / CORNERS;
-    const [x, y] = [course.gate_distance * Math.cos(angle), course.gate_distance * Math.sin(angle)];
+    const [x, y] = [scenario.gate_distance * Math.cos(angle), scenario.gate_distance * Math.sin(angle)];
     return middle.clone().addScaledVector(across, x).addScaledVector(up, y).toArray();
   });
   return Float32Array.from(points.flat());
 }
 
 /** Unit vector along the reference at a gate. */
-function heading(course: Course, gate: number): Vector3 {
-  const { time, position } = course.reference;
-  const at = find(time.values, course.gate_times.values[gate]);
+function heading(scenario: Scenario, gate: number): Vector3 {
+  const { time, position } = scenario.reference;
+  const at = find(time.values, scenario.gate_times.values[gate]);
   const [before, after] = [Math.max(0, at - 3), Math.min(time.values.length - 1, at + 3)];
   const part = (k: number): number => between(position, after, k) - between(position, before, k);
   const way = new Vector3(part(0), part(1), part(2));
   return way.lengthSq() > 0 ? way.normalize() : new Vector3(1, 0, 0);
 }
 
-function group(course: Course): number[][] {
+function group(scenario: Scenario): number[][] {
   const places: number[][] = [];
-  for (let gate = 0; gate < course.gates.shape[0]; gate++) {
-    const here = new Vector3().fromArray(row(course.gates, gate));
-    const place = places.find((members) => here.distanceTo(new Vector3().fromArray(row(course.gates, members[0]))) < NEAR);
+  for (let gate = 0; gate < scenario.gates.shape[0]; gate++) {
+    const here = new Vector3().fromArray(row(scenario.gates, gate));
+    const place = places.find((members) => here.distanceTo(new Vector3().fromArray(row(scenario.gates, members[0]))) < NEAR);
     if (place) place.push(gate);
     else places.push([gate]);
   }

@@ -2,7 +2,7 @@
 import { Group, type Material, type Mesh, Vector3 } from "three";
 import type { App } from "../app";
 import { flightColour, palette } from "../colours";
-import type { Course } from "../data";
+import type { Scenario } from "../data";
 import { row } from "../table";
 import { Backdrop, type Extent } from "./backdrop";
 import { Cameras } from "./cameras";
@@ -30,11 +30,11 @@ export class TrackScene {
     canvas: HTMLCanvasElement,
   ) {
     this.view = new View(canvas, () => this.prepare());
-    const course = app.parts.course.value;
-    this.cameras = new Cameras(course, extent(course), canvas, () => this.view.invalidate());
+    const scenario = app.parts.scenario.value;
+    this.cameras = new Cameras(scenario, extent(scenario), canvas, () => this.view.invalidate());
     this.build();
-    const { course: courses, traces, repeats } = app.parts;
-    for (const signal of [courses, traces, repeats, app.shown, app.theme]) signal.after(() => this.build());
+    const { scenario: scenarios, traces, repeats } = app.parts;
+    for (const signal of [scenarios, traces, repeats, app.shown, app.theme]) signal.after(() => this.build());
     for (const signal of [app.clock.time, app.lit]) signal.after(() => this.view.invalidate());
     app.camera.watch((kind) => {
       this.cameras.show(kind);
@@ -59,26 +59,26 @@ export class TrackScene {
 
   private build(): void {
     const { app } = this;
-    const course = app.parts.course.value;
+    const scenario = app.parts.scenario.value;
     const colours = palette(app.theme.value);
     this.view.scene.remove(this.content);
     dispose(this.content);
     this.content = new Group();
-    this.backdrop = new Backdrop(course, extent(course), colours);
-    this.gates = new Gates(course, colours);
+    this.backdrop = new Backdrop(scenario, extent(scenario), colours);
+    this.gates = new Gates(scenario, colours);
     this.content.add(this.backdrop.group, this.gates.group);
-    this.addFlights(course);
+    this.addFlights(scenario);
     this.view.scene.add(this.content);
     this.view.paint(colours.face);
   }
 
-  private addFlights(course: Course): void {
+  private addFlights(scenario: Scenario): void {
     const { app } = this;
     const theme = app.theme.value;
     const shown = app.parts.traces.value.filter((trace) => app.shown.value.has(trace.id) && trace.time.values.length > 1);
-    const top = course.reference.speed.values.reduce((most, speed) => Math.max(most, speed), 1);
+    const top = scenario.reference.speed.values.reduce((most, speed) => Math.max(most, speed), 1);
     this.trails = shown.map((trace) => ({ id: trace.id, trail: new Trail(trace, theme, top) }));
-    this.drones = shown.map((trace, i) => new Drone(course, trace, flightColour(theme, trace.id), palette(theme), i > 0));
+    this.drones = shown.map((trace, i) => new Drone(scenario, trace, flightColour(theme, trace.id), palette(theme), i > 0));
     for (const { trail } of this.trails) this.content.add(trail.group);
     for (const drone of this.drones) this.content.add(drone.group);
     for (const repeat of app.parts.repeats.value) {
@@ -95,7 +95,7 @@ export class TrackScene {
     this.backdrop.light(this.app.lit.value);
     this.cameras.update(time, this.drones[0]?.group.position ?? null);
     this.gates.declutter(this.cameras.camera, time);
-    const least = this.app.parts.course.value.arm;
+    const least = this.app.parts.scenario.value.arm;
     for (const drone of this.drones) {
       const pixels = this.app.camera.value === "follow" ? FOLLOWED : DRONE;
       drone.resize(Math.max(least, this.cameras.metres(drone.group.position, pixels, this.view.height)));
@@ -105,10 +105,10 @@ export class TrackScene {
 }
 
 /** Corners of the box around reference and gates. */
-function extent(course: Course): Extent {
+function extent(scenario: Scenario): Extent {
   const low = new Vector3(Infinity, Infinity, Infinity);
   const high = new Vector3(-Infinity, -Infinity, -Infinity);
-  for (const table of [course.reference.position, course.gates]) {
+  for (const table of [scenario.reference.position, scenario.gates]) {
     for (let i = 0; i < table.shape[0]; i++) {
       const point = new Vector3().fromArray(row(table, i));
       low.min(point);

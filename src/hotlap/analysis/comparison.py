@@ -13,17 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap import tuners, worlds
-from hotlap.configuration import Configuration
-from hotlap.course import Course
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.records import Scores
 from hotlap.first_guess.guess import DEFAULT, first_guess
-from hotlap.objective import Objective
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.records import Scores
-from hotlap.segmentation import Rule
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
+from hotlap.reference.scenario import Scenario
+from hotlap.reference.segmentation import SegmentationRule
+from hotlap.study.configuration import Configuration
 from hotlap.tuners.tuner import Tuner
-from hotlap.tuning import Batch, Tuning, TuningSettings, course_for, tune_together
+from hotlap.tuning.loop import Batch, Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 
 
@@ -46,16 +46,16 @@ class Cell:
     settings: TuningSettings
     seeds: tuple[int, ...]
     world: str = worlds.DEFAULT
-    segments: Rule = Rule.PAPER
+    segments: SegmentationRule = SegmentationRule.PAPER
     first_guess: str = DEFAULT
 
     @cached_property
     def key(self) -> str:
         """Changes whenever something changes that decides about a run, its seed apart."""
         tuner = tuners.build(self.tuner)
-        course = course_for(prepare(self.race, segments=self.segments), tuner)
-        first, goal = first_guess(course, self.first_guess), self.settings.goal
-        fingerprint = Configuration(course, self.world, goal.metric, tuner.name, self.settings, first).fingerprint
+        scenario = scenario_for(prepare(self.race, segments=self.segments), tuner)
+        first, goal = first_guess(scenario, self.first_guess), self.settings.goal
+        fingerprint = Configuration(scenario, self.world, goal.metric, tuner.name, self.settings, first).fingerprint
         return f"{fingerprint}-{self.settings.budget}"
 
 
@@ -173,26 +173,26 @@ class _Progress:
 
 
 def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
-    """The runs of cells that share a course, as they end."""
+    """The runs of cells that share a scenario, as they end."""
     first = cells[0]
-    course = course_for(prepare(first.race, segments=first.segments), tuners.build(first.tuner))
+    scenario = scenario_for(prepare(first.race, segments=first.segments), tuners.build(first.tuner))
     world = worlds.build(first.world)
     if isinstance(world, BuiltIn) and parent_process() is not None:
         world.threads = 1  # there is a worker for each processor
-    objective = Objective(course, world, first.settings.goal.metric, first.settings.randomise)
-    guesses = {name: first_guess(course, name) for name in {cell.first_guess for cell in cells}}
-    runs = [_begin(cell, course, guesses[cell.first_guess], seed) for cell in cells for seed in cell.seeds]
+    objective = Objective(scenario, world, first.settings.goal.metric, first.settings.randomise)
+    guesses = {name: first_guess(scenario, name) for name in {cell.first_guess for cell in cells}}
+    runs = [_begin(cell, scenario, guesses[cell.first_guess], seed) for cell in cells for seed in cell.seeds]
     for i, batch in tune_together(objective, [run.tuning for run in runs]):
         runs[i].follow(batch)
         if batch.done:
             yield runs[i].cell, _end(batch, runs[i])
 
 
-def _begin(cell: Cell, course: Course, guess: Parameters, seed: int) -> _Progress:
+def _begin(cell: Cell, scenario: Scenario, guess: Parameters, seed: int) -> _Progress:
     """A run that has not flown yet."""
     tuner = Timed(tuners.build(cell.tuner))
     settings = TuningSettings(**{**vars(cell.settings), "seed": seed})
-    return _Progress(cell, seed, Tuning(tuner, course, settings, guess), tuner)
+    return _Progress(cell, seed, Tuning(tuner, scenario, settings, guess), tuner)
 
 
 def _end(batch: Batch, progress: _Progress) -> Run:
@@ -235,7 +235,7 @@ def missing(cells: Sequence[Cell], done: Mapping[tuple[str, int], Run], processe
         done: runs by key of their cell and seed.
         processes: there are at least so many groups, where there are so many runs.
     """
-    groups: dict[tuple[str, bool, Rule], list[Cell]] = {}
+    groups: dict[tuple[str, bool, SegmentationRule], list[Cell]] = {}
     for cell in cells:
         key = cell.key
         seeds = tuple(seed for seed in cell.seeds if (key, seed) not in done)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hotlap.analysis.comparison import Run
 from hotlap.analysis.statistics import bootstrap_interval, means, medians, performance_profile, performance_ratios, quartiles
-from hotlap.validation import wilson_interval
+from hotlap.core.success_rate import wilson_interval
 
 Floats = NDArray[np.float64]
 Interval = tuple[float, float]

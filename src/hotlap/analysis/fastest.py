@@ -18,15 +18,15 @@ from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
-from hotlap.errors import HotlapError
+from hotlap.core.errors import HotlapError
+from hotlap.core.parameters import Parameters
+from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.first_guess.guess import first_guess
 from hotlap.first_guess.training_set import shipped
-from hotlap.objective import Objective
-from hotlap.parameters import Parameters
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 
 RELIABLE = 0.95  # least validated rate
 STEPS = {"v_max": 0.3, "tolerance": 0.5, "thrust": 0.05}  # first ones, in natural logarithms
@@ -42,7 +42,7 @@ Do = Callable[[Mapping[str, "Trial"]], Mapping[str, dict[str, Any]]]
 
 
 @dataclass(frozen=True)
-class Knobs:
+class PlanSettings:
     """What the planner may use, beside a race's own settings.
 
     Attributes:
@@ -60,13 +60,13 @@ class Knobs:
         """Rounded, so that a step there and back is where it began."""
         return f"v_max {'-' if self.v_max is None else f'{self.v_max:.4g}'}, tolerance {self.tolerance:.4g}, thrust {self.thrust:.4g}"
 
-    def moved(self, axis: str, factor: float) -> Knobs:
+    def moved(self, axis: str, factor: float) -> PlanSettings:
         """One of them multiplied."""
         return replace(self, **{axis: getattr(self, axis) * factor})
 
     def applied(self, race: Race) -> Race:
         """The race planned so."""
-        planned = race.planned
+        planned = race.planning_model
         low, high = planned.rotor_thrust
         stronger = planned.model_copy(update={"rotor_thrust": (low, high * self.thrust)})
         planning = race.planning.model_copy(update={"v_max": self.v_max, "tolerance": self.tolerance, "quadrotor": stronger})
@@ -79,7 +79,7 @@ class Trial:
 
     Attributes:
         race: what is flown, with its own planning.
-        knobs: what is planned with.
+        plan_settings: what is planned with.
         tuner: algorithm with preset.
         settings: of the tuning; a plan holds by as many further flights as its validation has.
         begin: K parameters to begin with, the mean over segments of those of the best plan so far; None for the learned guess.
@@ -88,7 +88,7 @@ class Trial:
     """
 
     race: Race
-    knobs: Knobs
+    plan_settings: PlanSettings
     tuner: str
     settings: TuningSettings
     begin: tuple[float, ...] | None = None
@@ -96,15 +96,15 @@ class Trial:
     training: str = field(default_factory=lambda: shipped().fingerprint)
 
 
-def first_knobs(race: Race) -> Knobs:
+def first_plan_settings(race: Race) -> PlanSettings:
     """The race's own."""
-    return Knobs(race.planning.v_max, race.planning.tolerance)
+    return PlanSettings(race.planning.v_max, race.planning.tolerance)
 
 
-def neighbours(race: Race, centre: Knobs, shrunk: float) -> list[Knobs]:
+def neighbours(race: Race, centre: PlanSettings, shrunk: float) -> list[PlanSettings]:
     """A step both ways along each axis, as far as the gates and the vehicle allow."""
-    most = min(race.vehicle.max_acceleration, FULL * race.controller.thrust[1]) / race.planned.max_acceleration
-    low, high = race.planned.rotor_thrust
+    most = min(race.vehicle.max_acceleration, FULL * race.controller.thrust[1]) / race.planning_model.max_acceleration
+    low, high = race.planning_model.rotor_thrust
     found = []
     for axis, step in STEPS.items():
         if getattr(centre, axis) is None:
@@ -123,29 +123,29 @@ def neighbours(race: Race, centre: Knobs, shrunk: float) -> list[Knobs]:
 def try_plan(trial: Trial) -> Iterator[dict[str, Any]]:
     """Plan, tune and validate: lap [s] as flown, validated rate, parameters; a reason where there is no plan."""
     try:
-        course = course_for(prepare(trial.knobs.applied(trial.race)), tuners.build(trial.tuner))
+        scenario = scenario_for(prepare(trial.plan_settings.applied(trial.race)), tuners.build(trial.tuner))
     except HotlapError as error:
         yield {"lap": None, "rate": 0.0, "planned": None, "flights": 0, "parameters": None, "reason": str(error)}
         return
-    count = len(course.segments)
-    guess = first_guess(course) if trial.begin is None else np.tile(trial.begin, (count, 1))
-    tuning = Tuning(tuners.build(trial.tuner), course, trial.settings, guess)
-    objective = Objective(course, built_in_world())
+    count = len(scenario.segments)
+    guess = first_guess(scenario) if trial.begin is None else np.tile(trial.begin, (count, 1))
+    tuning = Tuning(tuners.build(trial.tuner), scenario, trial.settings, guess)
+    objective = Objective(scenario, built_in_world())
     for _ in tune_together(objective, [tuning]):
         pass
     assert tuning.best is not None  # noqa: S101  it has flown
     best = tuning.best.parameters
     seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, CHOSEN, max(trial.settings.validation, 1))
     rate, lap = _flown(objective, best, seeds)
-    planned = course.reference.lap_time
+    planned = scenario.reference.lap_time
     yield {"lap": lap, "rate": rate, "planned": planned, "flights": tuning.flights, "parameters": best.tolist(), "reason": ""}
 
 
 def judge_plan(trial: Trial) -> Iterator[dict[str, Any]]:
     """The winner once more, K parameters of each segment in `trial.parameters`, with noise that it was not chosen by."""
-    course = prepare(trial.knobs.applied(trial.race))
+    scenario = prepare(trial.plan_settings.applied(trial.race))
     seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, FRESH, max(trial.settings.validation, 1))
-    rate, lap = _flown(Objective(course, built_in_world()), np.array(trial.parameters), seeds)
+    rate, lap = _flown(Objective(scenario, built_in_world()), np.array(trial.parameters), seeds)
     yield {"lap": lap, "rate": rate}
 
 
@@ -160,7 +160,7 @@ def holds(result: dict[str, Any]) -> bool:
     return result["lap"] is not None and result["rate"] >= RELIABLE
 
 
-def best_of(results: Sequence[tuple[Knobs, dict[str, Any]]]) -> tuple[Knobs, dict[str, Any]] | None:
+def best_of(results: Sequence[tuple[PlanSettings, dict[str, Any]]]) -> tuple[PlanSettings, dict[str, Any]] | None:
     """The soonest that holds; the first among equals."""
     good = [pair for pair in results if holds(pair[1])]
     return min(good, key=lambda pair: pair[1]["lap"]) if good else None
@@ -168,7 +168,7 @@ def best_of(results: Sequence[tuple[Knobs, dict[str, Any]]]) -> tuple[Knobs, dic
 
 def fastest(
     race: Race, tuner: str, settings: TuningSettings, do: Do, judge: Do, most_rounds: int = 40
-) -> tuple[Knobs, dict[str, Any]] | None:
+) -> tuple[PlanSettings, dict[str, Any]] | None:
     """The search; None where no plan can be flown that holds.
 
     Args:
@@ -180,39 +180,41 @@ def fastest(
             that the winner is the soonest that holds in these flights as well.
         most_rounds: of trials, before it ends.
     """
-    centre, shrunk, best, nearest = first_knobs(race), 1.0, None, (-1.0, -1.0)
-    ranked: list[tuple[Knobs, dict[str, Any]]] = []
+    centre, shrunk, best, nearest = first_plan_settings(race), 1.0, None, (-1.0, -1.0)
+    ranked: list[tuple[PlanSettings, dict[str, Any]]] = []
     trials, tried = {centre.key: Trial(race, centre, tuner, settings)}, {centre.key}
     for _ in range(most_rounds):
         done = do(trials)
-        results = [(trial.knobs, done[key]) for key, trial in trials.items()]
+        results = [(trial.plan_settings, done[key]) for key, trial in trials.items()]
         found, moved = best_of(results), False
         ranked += [pair for pair in results if holds(pair[1])]
         if found and (best is None or found[1]["lap"] < (1 - GAIN) * best[1]["lap"]):
             best, centre, moved = found, found[0], True
         elif best is None:
-            for knobs, result in results:
+            for plan_settings, result in results:
                 near = result["rate"], result["planned"] or 0.0  # where none holds, the most reliable, then the slowest
                 if near > nearest:
-                    nearest, centre, moved = near, knobs, True
+                    nearest, centre, moved = near, plan_settings, True
         if not moved:
             shrunk /= 2
         if shrunk < 2.0**-HALVINGS:
             break
         begin = None if best is None else tuple(np.exp(np.log(best[1]["parameters"]).mean(axis=0)).tolist())
-        around = [knobs for knobs in neighbours(race, centre, shrunk) if knobs.key not in tried]
-        trials = {f"{knobs.key}, after {centre.key}": Trial(race, knobs, tuner, settings, begin) for knobs in around}
-        tried |= {knobs.key for knobs in around}
+        around = [plan_settings for plan_settings in neighbours(race, centre, shrunk) if plan_settings.key not in tried]
+        trials = {
+            f"{plan_settings.key}, after {centre.key}": Trial(race, plan_settings, tuner, settings, begin) for plan_settings in around
+        }
+        tried |= {plan_settings.key for plan_settings in around}
     return _held(race, tuner, settings, sorted(ranked, key=lambda pair: pair[1]["lap"]), judge)
 
 
 def _held(
-    race: Race, tuner: str, settings: TuningSettings, ranked: Sequence[tuple[Knobs, dict[str, Any]]], judge: Do
-) -> tuple[Knobs, dict[str, Any]] | None:
+    race: Race, tuner: str, settings: TuningSettings, ranked: Sequence[tuple[PlanSettings, dict[str, Any]]], judge: Do
+) -> tuple[PlanSettings, dict[str, Any]] | None:
     """The first that holds in other flights too, with what these say of it."""
-    for knobs, result in ranked:
-        key = f"{knobs.key}, once more"
-        again = judge({key: Trial(race, knobs, tuner, settings, parameters=tuple(map(tuple, result["parameters"])))})[key]
+    for plan_settings, result in ranked:
+        key = f"{plan_settings.key}, once more"
+        again = judge({key: Trial(race, plan_settings, tuner, settings, parameters=tuple(map(tuple, result["parameters"])))})[key]
         if holds(again):
-            return knobs, {**result, **again}
+            return plan_settings, {**result, **again}
     return None

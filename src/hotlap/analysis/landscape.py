@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.analysis.learning import built_in_world
-from hotlap.course import Course
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.seeds import Stream, flight_seeds
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
+from hotlap.reference.scenario import Scenario
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.world import World
 
 Floats = NDArray[np.float64]
@@ -41,32 +41,32 @@ class Landscape:
     held: tuple[float, ...] = ()
 
 
-def axes(course: Course, wanted: Landscape) -> tuple[Floats, Floats]:
+def axes(scenario: Scenario, wanted: Landscape) -> tuple[Floats, Floats]:
     """Values along x and y, shape (points,)."""
-    space = course.space
+    space = scenario.space
     pair = [space.names.index(name) for name in (wanted.x, wanted.y)]
     ends = [(space.low[i], space.high[i]) for i in pair]
     return np.geomspace(*ends[0], wanted.points), np.geomspace(*ends[1], wanted.points)
 
 
-def survey(course: Course, world: World, wanted: Landscape, watch: Callable[[str], None] = lambda _: None) -> Floats:
+def survey(scenario: Scenario, world: World, wanted: Landscape, watch: Callable[[str], None] = lambda _: None) -> Floats:
     """Mean completion, 0 to 1, shape (points, points): a row for each y, a column for each x.
 
     Args:
-        course: what is flown.
+        scenario: what is flown.
         world: where.
         wanted: which map.
         watch: called with a few words after each row.
     """
-    space = course.space
-    x, y = axes(course, wanted)
+    space = scenario.space
+    x, y = axes(scenario, wanted)
     grid = np.tile(np.array(wanted.held) if wanted.held else space.default, (wanted.points, wanted.points, 1))
     grid[:, :, space.names.index(wanted.x)] = x
     grid[:, :, space.names.index(wanted.y)] = y[:, None]
-    objective, parts = Objective(course, world), []
+    objective, parts = Objective(scenario, world), []
     together = max(1, TOGETHER // (wanted.points * wanted.flights))
     for first in range(0, wanted.points, together):
-        flat = np.repeat(grid[first : first + together].reshape(-1, 1, space.size), len(course.segments), axis=1)
+        flat = np.repeat(grid[first : first + together].reshape(-1, 1, space.size), len(scenario.segments), axis=1)
         seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, wanted.flights), len(flat))
         completion = objective.fly(np.repeat(flat, wanted.flights, axis=0), seeds).completion
         parts.append(completion.reshape(-1, wanted.points, wanted.flights).mean(axis=2))

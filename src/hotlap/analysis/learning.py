@@ -15,20 +15,21 @@ from multiprocessing import parent_process
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap import __version__, tuners
-from hotlap.controllers import TUNABLE
-from hotlap.errors import PlanningError
-from hotlap.files import load_race
+from hotlap import tuners
+from hotlap.core.errors import PlanningError
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.version import __version__
+from hotlap.files.descriptions import load_race
 from hotlap.first_guess.features import OF_A_PIECE, OF_A_RACE, PAPER, piece_features, race_features
 from hotlap.first_guess.training_set import DIGITS, TrainingPiece, TrainingRace, TrainingSet
-from hotlap.layouts import Layout, random_track
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.schema import Described
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.track import Track
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.planning.preparation import prepare
+from hotlap.race.controllers import TUNABLE
+from hotlap.race.race import Race
+from hotlap.race.random_tracks import TrackStyle, random_track
+from hotlap.race.schema import Described
+from hotlap.race.track import Track
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.world import World
 
@@ -68,7 +69,7 @@ def lessons() -> tuple[Lesson, ...]:
     """Random tracks of every layout and Soccer_Field_Medium, flown by several quadrotors at several speeds."""
     found = []
     for vehicle, speeds in SPEEDS.items():
-        for k, (speed, layout) in enumerate(product(speeds, Layout)):
+        for k, (speed, layout) in enumerate(product(speeds, TrackStyle)):
             found.append(Lesson(race_of(vehicle, random_track(FIRST_TRACK + k, layout), speed), vehicle))
         soccer = load_race(SOCCER)
         race = race_of(vehicle, soccer.track, SOCCER_SPEED)
@@ -89,7 +90,7 @@ def _flown_by(vehicle: str) -> Race:
     """A race to take everything but track and speed from."""
     base = load_race("airsim-circle-34" if vehicle == "airsim" else "circle-34")
     if vehicle == "hummingbird":  # its controller knows the dead time
-        return base.model_copy(update={"model": base.believed.model_copy(update={"delay": base.vehicle.delay})})
+        return base.model_copy(update={"model": base.control_model.model_copy(update={"delay": base.vehicle.delay})})
     if not vehicle.startswith("racer"):
         return base
     racer = load_race("split-s")
@@ -125,21 +126,21 @@ class Tuned(Described):
 def tune_lesson(lesson: Lesson) -> Iterator[Tuned | None]:
     """Tune a race with several seeds; None where there is no plan."""
     try:
-        course = course_for(prepare(lesson.race), tuners.build(TUNER))
+        scenario = scenario_for(prepare(lesson.race), tuners.build(TUNER))
     except PlanningError:
         yield None
         return
-    objective = Objective(course, built_in_world())
+    objective = Objective(scenario, built_in_world())
     shared = {"budget": BUDGET, "confirm": CONFIRM, "validation": 0, "reliability": 0.0}
-    runs = [Tuning(tuners.build(TUNER), course, TuningSettings(seed=seed, **shared)) for seed in range(SEEDS)]
+    runs = [Tuning(tuners.build(TUNER), scenario, TuningSettings(seed=seed, **shared)) for seed in range(SEEDS)]
     for _ in tune_together(objective, runs):
         pass
     confirmed = [run.best.parameters[0] for run in runs if run.best is not None and run.best.confirmed]
     optima = tuple(map(_rounded, confirmed))
     tuned, validated = _steadiest(objective, optima) if optima else (None, 0.0)
-    pieces, rows = course.segments.pieces, piece_features(course, PIECE_FEATURES)
+    pieces, rows = scenario.segments.pieces, piece_features(scenario, PIECE_FEATURES)
     yield Tuned(
-        features=_rounded(race_features(course, RACE_FEATURES)),
+        features=_rounded(race_features(scenario, RACE_FEATURES)),
         pieces=tuple(TrainingPiece(kind=piece.kind, features=_rounded(row)) for piece, row in zip(pieces, rows, strict=True)),
         optima=optima,
         tuned=tuned,
@@ -203,7 +204,7 @@ def assemble(
 
 def _completions(objective: Objective, candidates: Sequence[Sequence[float]], flights: int) -> NDArray[np.float64]:
     """Completion of each flight, shape (candidates, flights); the noise of the flights is that of every candidate."""
-    one = np.repeat(np.array(candidates)[:, None], len(objective.course.segments), axis=1)
+    one = np.repeat(np.array(candidates)[:, None], len(objective.scenario.segments), axis=1)
     seeds = np.tile(flight_seeds(0, Stream.VALIDATION, 0, flights), len(candidates))
     return objective.fly(np.repeat(one, flights, axis=0), seeds).completion.reshape(len(candidates), flights)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hotlap.analysis.comparison import Run
-from hotlap.analysis.lines_file import LinesFile
+from hotlap.system.journal import LinesFile
 
 
 class RunsFile(LinesFile):

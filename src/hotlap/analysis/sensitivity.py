@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.course import Course
-from hotlap.parameters import Parameters
-from hotlap.seeds import Stream, flight_seeds
+from hotlap.core.parameters import Parameters
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.reference.scenario import Scenario
 from hotlap.worlds.world import World
 
 Floats = NDArray[np.float64]
@@ -38,11 +38,11 @@ class Sensitivity:
     by_segment: Floats
 
 
-def survey_sensitivity(course: Course, world: World, parameters: Parameters, seed: int, flights: int = FLIGHTS) -> Sensitivity:
+def survey_sensitivity(scenario: Scenario, world: World, parameters: Parameters, seed: int, flights: int = FLIGHTS) -> Sensitivity:
     """Fly parameters, shape (S, K), with each of them changed in turn.
 
     Args:
-        course: what they were tuned on.
+        scenario: what they were tuned on.
         world: where.
         parameters: shape (S, K).
         seed: of the run.
@@ -56,26 +56,26 @@ def survey_sensitivity(course: Course, world: World, parameters: Parameters, see
     for s, k in np.ndindex(segments, size):
         alone[s, k, :, s, k] *= factors[[0, -1]]
     few = min(max(BY_SEGMENT // (2 * segments * size), FEWEST), flights)
-    shares = _fly(course, world, curves.reshape(-1, segments, size), seed, flights).reshape(size, len(factors), flights)
-    parts = _fly(course, world, alone.reshape(-1, segments, size), seed, few).reshape(segments, size, 2 * few)
+    shares = _fly(scenario, world, curves.reshape(-1, segments, size), seed, flights).reshape(size, len(factors), flights)
+    parts = _fly(scenario, world, alone.reshape(-1, segments, size), seed, few).reshape(segments, size, 2 * few)
     base = shares[0, FACTORS.index(1.0), :few].mean()
     return Sensitivity(factors, flights, shares.mean(axis=2), (shares >= 1).mean(axis=2), base - parts.mean(axis=2))
 
 
-def _fly(course: Course, world: World, points: Parameters, seed: int, flights: int) -> Floats:
+def _fly(scenario: Scenario, world: World, points: Parameters, seed: int, flights: int) -> Floats:
     """Completion at each point, shape (points, flights); those that are the same are flown once.
 
     Args:
-        course: what is flown.
+        scenario: what is flown.
         world: where.
         points: shape (points, S, K).
         seed: of the run.
         flights: at each point.
     """
-    points = course.space.clip(points)
+    points = scenario.space.clip(points)
     distinct, index = np.unique(points.reshape(len(points), -1), axis=0, return_inverse=True)
     seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, flights)
     each = np.repeat(distinct.reshape(-1, *points.shape[1:]), flights, axis=0)
-    flown = world.fly(course, each, np.tile(seeds, len(distinct)))
+    flown = world.fly(scenario, each, np.tile(seeds, len(distinct)))
     completion = flown.gates_passed / len(flown.gate_positions)
     return completion.reshape(len(distinct), flights)[index.reshape(-1)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hotlap.cli.parser import Parser, fraction, one_of, path, whole
-from hotlap.validation import RELIABILITY
+from hotlap.core.success_rate import RELIABILITY
 
 KINDS = ("race", "track", "quadrotor")
 RULES = ("paper", "released_1m", "released_3m", "none", "equal_time")
@@ -101,7 +101,7 @@ def _plan(parser: Parser) -> None:
 def _tune(parser: Parser) -> None:
     _race(parser)
     add = parser.add_argument
-    add("--tuner", default="gatewise", metavar="NAME", help="NAME, NAME:PRESET or my_module.MyTuner (default: gatewise)")
+    add("--tuner", default="gate_gp", metavar="NAME", help="NAME, NAME:PRESET or my_module.MyTuner (default: gate_gp)")
     add("--goal", default="completion=1", help=f"when to stop: {GOALS}; or lap_time: the fastest plan that holds (default: completion=1)")
     add("--budget", type=whole, default=200, metavar="N", help="flights at most, re-flights included (default: 200)")
     add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")
@@ -112,7 +112,7 @@ def _tune(parser: Parser) -> None:
     _controller(parser)
     _world(parser)
     add("--randomise", type=fraction, default=0.0, metavar="R", help="fly in worlds that differ from the vehicle by up to this share")
-    add("--worlds", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
+    add("--samples", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
     add("--confirm", type=whole, default=10, metavar="N", help="re-flights that a candidate must pass (default: 10; the paper's: 4)")
     add("--validation", type=whole, default=200, metavar="N", help="flights of the result with fresh noise, 0 for none (default: 200)")
     add(
@@ -164,7 +164,7 @@ def _watch(parser: Parser) -> None:
 def _compare(parser: Parser) -> None:
     add = parser.add_argument
     add("races", nargs="+", metavar="RACE", help="built-in races (hotlap races) or TOML files")
-    names = "gatewise,metropolis_hastings,cma_es,random_search"
+    names = "gate_gp,metropolis_hastings,cma_es,random_search"
     add("--tuners", default=names, metavar="A,B", help=f"NAME, NAME:PRESET or my_module.MyTuner of each (default: {names})")
     add("--seeds", type=whole, default=10, metavar="N", help="runs of each tuner on each race (default: 10)")
     add("--budget", default="200", metavar="N", help="flights of a run, re-flights included: 200,cma_es=1000 (default: 200)")
@@ -172,7 +172,7 @@ def _compare(parser: Parser) -> None:
     add("--goal", default="completion=1", help=f"when a run stops: {GOALS} (default: completion=1)")
     add("--confirm", type=whole, default=4, metavar="N", help="re-flights that a candidate must pass (default: 4)")
     add("--randomise", type=fraction, default=0.0, metavar="R", help="fly in worlds that differ from the vehicle by up to this share")
-    add("--worlds", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
+    add("--samples", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
     add("--validation", type=whole, default=50, metavar="N", help="flights of each result with fresh noise (default: 50)")
     guesses = one_of("first guess", GUESSES)
     add("--first-guess", type=guesses, default="default", metavar="NAME", help=f"where all begin: {', '.join(GUESSES)} (default: default)")
@@ -261,7 +261,7 @@ COMMANDS: Mapping[str, Command] = {
         _compare,
         (
             "hotlap compare drop-20 flip-16 --out runs/compared",
-            "hotlap compare my-race.toml --tuners gatewise,cma_es:tied --seeds 20 --out runs/mine",
+            "hotlap compare my-race.toml --tuners gate_gp,cma_es:tied --seeds 20 --out runs/mine",
         ),
     ),
     "fly": Command(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from hotlap.bench import STAGES, measure
+from hotlap.analysis.speed import STAGES, measure
 from hotlap.cli.output import present
 from hotlap.cli.progress import follow_stages
 

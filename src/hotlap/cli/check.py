@@ -9,14 +9,14 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from hotlap.check import Finding, Level, describe
 from hotlap.cli.output import present, table
-from hotlap.errors import PlanningError
-from hotlap.files import TYPES, Description, Kind, load
+from hotlap.core.errors import PlanningError
+from hotlap.files.descriptions import TYPES, Description, Kind, load
 from hotlap.planning import cache
+from hotlap.planning.feasibility import Finding, Level, describe
 from hotlap.planning.problem import Problem
-from hotlap.race import Race
-from hotlap.track import Track
+from hotlap.race.race import Race
+from hotlap.race.track import Track
 
 WIDEST = 100  # columns of a map
 ROLES = {Kind.TRACK: "track", Kind.QUADROTOR: "vehicle"}  # in a race

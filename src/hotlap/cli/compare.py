@@ -16,15 +16,16 @@ from hotlap.cli.flying import make_ready
 from hotlap.cli.output import note, present, table, working
 from hotlap.cli.progress import follow_runs
 from hotlap.cli.stopping import remark
-from hotlap.controllers import ControllerKind
-from hotlap.errors import HotlapError, InputError, StudyError
-from hotlap.executor import spread
-from hotlap.files import load_race, replace
-from hotlap.goal import parse_goal
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.segmentation import Rule
-from hotlap.tuning import TuningSettings
+from hotlap.core.errors import HotlapError, InputError, StudyError
+from hotlap.files.descriptions import load_race
+from hotlap.planning.preparation import prepare
+from hotlap.race.controllers import ControllerKind
+from hotlap.race.race import Race
+from hotlap.reference.segmentation import SegmentationRule
+from hotlap.system.process_pool import spread
+from hotlap.system.text_files import replace
+from hotlap.tuning.goal import parse_goal
+from hotlap.tuning.loop import TuningSettings
 
 TABLE, PAGE = "table.md", "comparison.html"
 MOST_SEEDS = 100_000
@@ -70,20 +71,20 @@ def _cells(options: Namespace) -> list[Cell]:
     if options.jobs < 0:
         raise InputError("--jobs", "", f"must not be negative, not {options.jobs}")
     world = worlds.build(options.on)
-    if options.randomise and not world.takes_truth:
+    if options.randomise and not world.takes_vehicle_parameters:
         raise InputError("--randomise", "", f"{world.name} flies the vehicle that it has")
-    numbers = {name: getattr(options, name) for name in ("validation", "confirm", "randomise", "worlds")}
+    numbers = {name: getattr(options, name) for name in ("validation", "confirm", "randomise", "samples")}
     same = {"goal": parse_goal(options.goal), "reliability": 0.0, **numbers}
     settings = {name: TuningSettings(budget=budget_of(name, budgets), **same) for name in names}
-    seeds, rule = tuple(range(options.seeds)), Rule(options.segments)
+    seeds, rule = tuple(range(options.seeds)), SegmentationRule(options.segments)
     races = [_race(name, options) for name in dict.fromkeys(options.races)]
     for race, name in zip(races, dict.fromkeys(options.races), strict=True):
         if sum(other.name == race.name for other in races) > 1:
             raise InputError(name, "name", f"'{race.name}' is the name of another race too, and a table could not tell them apart")
     for race in races:
         with working(f"planning {race.name}"):
-            course = prepare(race, segments=rule)
-        make_ready(world, course)
+            scenario = prepare(race, segments=rule)
+        make_ready(world, scenario)
     return [
         Cell(race, name, settings[name], seeds, options.on, rule, options.first_guess) for race in races for name in dict.fromkeys(names)
     ]

@@ -7,9 +7,9 @@ from argparse import Namespace
 
 from hotlap.cli.inputs import check_target
 from hotlap.cli.output import note, present
-from hotlap.export import FORMATS, export
-from hotlap.files import Kind, names
-from hotlap.study import Study
+from hotlap.exporters import FORMATS, export
+from hotlap.files.descriptions import Kind, names
+from hotlap.study.study import Study
 
 HINTS = {
     "rpg_mpc": "one list entry for each segment; what rpg_mpc does not read is said in the file",
@@ -24,7 +24,7 @@ def run(options: Namespace) -> int:
     check_target(options.out)
     with Study.read(options.folder) as study:
         files = export(study, options.format, options.out)
-        race, result = study.configuration.course.race.name, study.result
+        race, result = study.configuration.scenario.race.name, study.result
     confirmed = result is not None and result.best.confirmed
     if FORMATS[options.format].finished and not confirmed:
         note(f"note: {options.folder}: these parameters were not confirmed: they did not reach the goal in all re-flights")

@@ -10,24 +10,25 @@ from typing import Any
 
 import numpy as np
 
-from hotlap import __version__, tuners, worlds
-from hotlap.analysis.fastest import RELIABLE, Knobs, fastest, judge_plan, try_plan
+from hotlap import tuners, worlds
+from hotlap.analysis.fastest import RELIABLE, PlanSettings, fastest, judge_plan, try_plan
+from hotlap.analysis.resumable import Context
 from hotlap.cli.flying import load, make_kind_ready
 from hotlap.cli.output import facts, note, percent, present, seconds
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
-from hotlap.database import FILE as STUDY
-from hotlap.errors import InputError, PlanningError, StudyError
-from hotlap.files import PARAMETERS_FILE, load_race, save, save_parameters
+from hotlap.core.errors import InputError, PlanningError, StudyError
+from hotlap.core.success_rate import RELIABILITY, Validation
+from hotlap.core.version import __version__
+from hotlap.files.descriptions import PARAMETERS_FILE, load_race, save, save_parameters
+from hotlap.files.parameters_file import SavedParameters
 from hotlap.first_guess.guess import LEARNED
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.reproduce.context import Context
-from hotlap.saved_parameters import SavedParameters
-from hotlap.segmentation import Rule
-from hotlap.study import new_folder
-from hotlap.tuning import TuningSettings
-from hotlap.validation import RELIABILITY, Validation
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
+from hotlap.reference.segmentation import SegmentationRule
+from hotlap.study.database import FILE as STUDY
+from hotlap.study.study import new_folder
+from hotlap.tuning.loop import TuningSettings
 
 GOAL = "lap_time"
 RACE_FILE = "race.toml"
@@ -35,10 +36,10 @@ ROUNDS = 40  # of plans tried around the best so far
 FIXED = {
     "reference": None,
     "first_guess": LEARNED,
-    "segments": Rule.PAPER,
+    "segments": SegmentationRule.PAPER,
     "on": worlds.DEFAULT,
     "randomise": 0.0,
-    "worlds": 0,
+    "samples": 0,
     "reliability": RELIABILITY,
 }
 
@@ -71,23 +72,23 @@ def run(options: Namespace) -> int:
     return 0
 
 
-def _present(options: Namespace, race: Race, folder: Any, best: tuple[Knobs, dict[str, Any]], settings: TuningSettings) -> None:
+def _present(options: Namespace, race: Race, folder: Any, best: tuple[PlanSettings, dict[str, Any]], settings: TuningSettings) -> None:
     """Write the race and its parameters, and say how fast it is."""
-    knobs, found = best
-    planned = knobs.applied(race).model_copy(update={"name": _name(race)})
+    plan_settings, found = best
+    planned = plan_settings.applied(race).model_copy(update={"name": _name(race)})
     save(folder / RACE_FILE, planned)
-    course, before = prepare(planned), _lap_before(race)
+    scenario, before = prepare(planned), _lap_before(race)
     validation = Validation(settings.validation, round(found["rate"] * settings.validation))
     low, high = validation.interval
     known = {"hotlap": __version__, "goal": GOAL, "seed": settings.seed, "lap_time": found["lap"], "validated_rate": validation.rate}
     values = np.array(found["parameters"])
-    save_parameters(folder / PARAMETERS_FILE, SavedParameters(planned.name, course.space.names, course.segments, values, known))
+    save_parameters(folder / PARAMETERS_FILE, SavedParameters(planned.name, scenario.space.names, scenario.segments, values, known))
     document = {
         "race": race.name,
         "goal": GOAL,
         "lap_time": found["lap"],
         "planned_before": before,
-        "plan": {"v_max": knobs.v_max, "tolerance": knobs.tolerance, "thrust": knobs.thrust},
+        "plan": {"v_max": plan_settings.v_max, "tolerance": plan_settings.tolerance, "thrust": plan_settings.thrust},
         "validation": {**vars(validation), "rate": validation.rate, "low": low, "high": high},
         "study": str(folder),
         "race_file": str(folder / RACE_FILE),
@@ -98,8 +99,8 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[Knobs, dic
         *facts(
             {
                 "holds in": f"{validation.successes} of {validation.flights} flights ({100 * low:.0f} to {100 * high:.0f} %)",
-                "plan": knobs.key,
-                "largest speed": f"{course.reference.max_speed:.1f} m/s",
+                "plan": plan_settings.key,
+                "largest speed": f"{scenario.reference.max_speed:.1f} m/s",
                 "race": str(folder / RACE_FILE),
                 "parameters": str(folder / PARAMETERS_FILE),
             }

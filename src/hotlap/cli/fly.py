@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 
 from hotlap import worlds
-from hotlap.cli.flying import check_guess, load, make_course, make_ready, read_guess, read_parameters
+from hotlap.cli.flying import check_guess, load, make_ready, make_scenario, read_guess, read_parameters
 from hotlap.cli.inputs import check_range, check_source, check_target
 from hotlap.cli.output import present, working
 from hotlap.cli.summary import describe_flights
-from hotlap.files import load_parameters, replace
-from hotlap.objective import Objective
-from hotlap.records import End, Flights, Log, Scores
-from hotlap.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
+from hotlap.core.records import End, Flights, Log, Scores
+from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
+from hotlap.files.descriptions import load_parameters
+from hotlap.system.text_files import replace
+from hotlap.tuning.objective import Objective
 
 MOST_FLIGHTS = 100_000
 COLUMNS = (
@@ -35,18 +36,18 @@ def run(options: Namespace) -> int:
     if options.parameters is not None and options.parameters.is_file():
         load_parameters(options.parameters)
     check_guess(options.first_guess)
-    course = make_course(race, options)
-    parameters = read_guess(options.first_guess, course) if options.parameters is None else read_parameters(options.parameters, course)
-    make_ready(world, course)
+    scenario = make_scenario(race, options)
+    parameters = read_guess(options.first_guess, scenario) if options.parameters is None else read_parameters(options.parameters, scenario)
+    make_ready(world, scenario)
     seeds = flight_seeds(options.seed, Stream.DEMONSTRATION, 0, options.flights)
     with working(f"flying {race.name} {options.flights} times"):
         repeated = np.repeat(parameters[None], options.flights, axis=0)
-        flights, scores = Objective(course, world).fly_recorded(repeated, seeds, log=() if options.log is None else (0,))
+        flights, scores = Objective(scenario, world).fly_recorded(repeated, seeds, log=() if options.log is None else (0,))
     if options.log is not None:
         write_log(options.log, flights.logs[0])
     rows = _rows(flights, scores)
     document = {"race": race.name, "world": world.name, "flights": rows}
-    lines = list(describe_flights(course, flights, scores))
+    lines = list(describe_flights(scenario, flights, scores))
     present(as_json=options.json, document=document, lines=[*lines, *([f"log written to {options.log}"] if options.log else [])])
     return 0
 

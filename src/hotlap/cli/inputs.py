@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from hotlap.errors import InputError
+from hotlap.core.errors import InputError
 
 PICTURES = (".png", ".svg", ".pdf")
 

@@ -11,9 +11,9 @@ from hotlap.cli.flying import check_guess, load, make_ready, read_guess
 from hotlap.cli.inputs import PICTURES, check_range, check_target
 from hotlap.cli.output import facts, percent, present, working
 from hotlap.cli.progress import follow_pieces
-from hotlap.errors import UnknownNameError
-from hotlap.preparation import prepare
-from hotlap.segmentation import Rule
+from hotlap.core.errors import UnknownNameError
+from hotlap.planning.preparation import prepare
+from hotlap.reference.segmentation import SegmentationRule
 from hotlap.worlds.built_in import BuiltIn
 
 MOST_POINTS, MOST_FLIGHTS = 500, 100
@@ -27,23 +27,23 @@ def run(options: Namespace) -> int:
     check_guess(options.first_guess)
     race, world = load(options), BuiltIn()
     with working(f"planning {race.name}"):
-        course = prepare(race, segments=Rule.NONE)
-    names = course.space.names
+        scenario = prepare(race, segments=SegmentationRule.NONE)
+    names = scenario.space.names
     for option, name in (("--x", options.x), ("--y", options.y)):
         if name not in names:
             raise UnknownNameError("parameter", name, names, option)
-    held = tuple(read_guess(options.first_guess, course)[0].tolist())
+    held = tuple(read_guess(options.first_guess, scenario)[0].tolist())
     wanted = Landscape(race, options.x, options.y, options.points, options.flights, held)
-    make_ready(world, course)
+    make_ready(world, scenario)
     with follow_pieces(f"rows of {options.points * options.flights} flights", options.points, 0) as say:
-        grid = survey(course, world, wanted, say)
+        grid = survey(scenario, world, wanted, say)
     middle = dict(zip(names, held, strict=True))
     if options.out is not None:
         from hotlap.report.reproduction import draw_maps  # noqa: PLC0415  matplotlib takes half a second to load
 
         title = f"{race.name}: {percent(float((grid == 1).mean()))} of the map complete"
-        draw_maps(options.out, axes(course, wanted), (options.x, options.y), [grid], [title], (middle[options.x], middle[options.y]))
-    x, y = axes(course, wanted)
+        draw_maps(options.out, axes(scenario, wanted), (options.x, options.y), [grid], [title], (middle[options.x], middle[options.y]))
+    x, y = axes(scenario, wanted)
     best = np.unravel_index(int(np.argmax(grid)), grid.shape)
     document = {
         "race": race.name,

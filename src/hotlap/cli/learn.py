@@ -10,17 +10,18 @@ from pathlib import Path
 from typing import Any
 
 from hotlap.analysis.learning import Lesson, Tuned, assemble, candidates_of, fly_lesson, lessons, tune_lesson
-from hotlap.analysis.lines_file import LinesFile
 from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
-from hotlap.controllers import TUNABLE, ControllerKind
-from hotlap.errors import HotlapError, InputError, StudyError
-from hotlap.executor import spread
-from hotlap.faults import check
-from hotlap.files import load_race, replace
+from hotlap.core.errors import HotlapError, InputError, StudyError
+from hotlap.files.descriptions import load_race
+from hotlap.files.error_messages import check
 from hotlap.first_guess.training_set import TrainingSet, write_training_set
+from hotlap.race.controllers import TUNABLE, ControllerKind
+from hotlap.system.journal import LinesFile
+from hotlap.system.process_pool import spread
+from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
 FILE = "first_guess.json"

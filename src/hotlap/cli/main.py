@@ -12,12 +12,12 @@ from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
-from hotlap import __version__
 from hotlap.cli.arguments import COMMANDS, overview
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
-from hotlap.errors import HotlapError, InputError, UnknownNameError
-from hotlap.threads import one_thread
+from hotlap.core.errors import HotlapError, InputError, UnknownNameError
+from hotlap.core.version import __version__
+from hotlap.system.blas_threads import one_thread
 
 SUCCESS, FAILURE, BAD_INPUT = 0, 1, 2
 PIPE_CLOSED = 141  # 128 + SIGPIPE, as of any program whose reader went away

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from hotlap.cli.inputs import check_target
 from hotlap.cli.output import present
-from hotlap.errors import InputError
-from hotlap.files import Kind, create, load_quadrotor, load_track
-from hotlap.templates import new
+from hotlap.core.errors import InputError
+from hotlap.files.descriptions import Kind, load_quadrotor, load_track
+from hotlap.files.templates import new
+from hotlap.system.text_files import create
 
 LOADS = {"track": load_track, "vehicle": load_quadrotor}  # keys of a race that may be given
 

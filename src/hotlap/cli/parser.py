@@ -13,9 +13,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import NoReturn
 
-from hotlap.errors import InputError, UnknownNameError
+from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.core.renamed import say_renamed
 
 HELP = {"-h", "--help"}
+RENAMED = {"--worlds": "--samples"}  # options of before
 _OF_ARGUMENT = re.compile(r"argument ([^:]+): (.*)", re.DOTALL)
 _MISSING = re.compile(r"the following arguments are required: (.*)")
 
@@ -50,6 +52,7 @@ class Parser(argparse.ArgumentParser):
         Raises:
             InputError: it cannot be understood.
         """
+        arguments = [self._present(argument) for argument in arguments]
         options = arguments[: arguments.index("--")] if "--" in arguments else arguments
         if HELP & set(options):
             return None
@@ -60,6 +63,15 @@ class Parser(argparse.ArgumentParser):
         if unknown:
             raise self._unknown(unknown[0])
         return parsed
+
+    def _present(self, argument: str) -> str:
+        """An option as it is called now; says so where it was a name of before."""
+        option, separator, value = argument.partition("=")
+        new = RENAMED.get(option)
+        if new is None or new not in self._option_string_actions:
+            return argument
+        say_renamed(option, new)
+        return new + separator + value
 
     def _unknown(self, argument: str) -> InputError:
         """An argument that nothing takes."""

@@ -12,12 +12,12 @@ from rich.text import Text
 
 from hotlap.cli.inputs import PICTURES, check_source, check_target
 from hotlap.cli.output import Line, facts, present, seconds, table, working
-from hotlap.course import Course
-from hotlap.files import load_race
-from hotlap.preparation import prepare
-from hotlap.reference_csv import save_reference
+from hotlap.files.descriptions import load_race
+from hotlap.planning.preparation import prepare
+from hotlap.planning.reference_csv import save_reference
+from hotlap.reference.scenario import Scenario
+from hotlap.reference.segmentation import SegmentationRule
 from hotlap.report.map import draw_map
-from hotlap.segmentation import Rule
 
 WIDEST = 100  # columns of a map
 
@@ -29,24 +29,24 @@ def run(options: Namespace) -> int:
     check_source(options.reference)
     race = load_race(options.race)
     with working(f"planning {race.name}" if options.reference is None else f"reading {options.reference}"):
-        course = prepare(race, options.reference, cache=not options.no_cache, segments=Rule(options.segments))
+        scenario = prepare(race, options.reference, cache=not options.no_cache, segments=SegmentationRule(options.segments))
     if options.out is not None:
-        save_reference(options.out, course.reference)
+        save_reference(options.out, scenario.reference)
     if options.picture is not None:
         from hotlap.report.pictures import draw_plan  # noqa: PLC0415  matplotlib, only where there is something to draw
 
-        draw_plan(options.picture, course)
+        draw_plan(options.picture, scenario)
     files = {"csv": options.out, "picture": options.picture}
-    document = {**describe(course), **{kind: str(path) for kind, path in files.items() if path is not None}}
-    present(as_json=options.json, document=document, lines=[*_lines(course), *_written(options)])
+    document = {**describe(scenario), **{kind: str(path) for kind, path in files.items() if path is not None}}
+    present(as_json=options.json, document=document, lines=[*_lines(scenario), *_written(options)])
     return 0
 
 
-def describe(course: Course) -> dict[str, Any]:
+def describe(scenario: Scenario) -> dict[str, Any]:
     """The keys of `hotlap plan --json`."""
-    reference, pieces = course.reference, course.segments.pieces
+    reference, pieces = scenario.reference, scenario.segments.pieces
     return {
-        "race": course.race.name,
+        "race": scenario.race.name,
         "duration": float(reference.duration),
         "lap_time": reference.lap_time,
         "max_speed": float(reference.speeds.max()),
@@ -57,10 +57,10 @@ def describe(course: Course) -> dict[str, Any]:
     }
 
 
-def _lines(course: Course) -> Iterator[Line]:
+def _lines(scenario: Scenario) -> Iterator[Line]:
     """For people: figures, segments, and a map."""
-    reference = course.reference
-    yield f"{course.race.name}: {len(reference.gate_times)} gates in {seconds(reference.lap_time)}"
+    reference = scenario.reference
+    yield f"{scenario.race.name}: {len(reference.gate_times)} gates in {seconds(reference.lap_time)}"
     yield from facts(
         {
             "duration": seconds(reference.duration),
@@ -70,25 +70,25 @@ def _lines(course: Course) -> Iterator[Line]:
             "planned in": f"{reference.cpu_time:.1f} s of processor time" if reference.cpu_time else "",
         }
     )
-    yield from table(_cells(course), right=(1, 2, 3, 4), indent="  ")
-    yield from _map(course)
+    yield from table(_cells(scenario), right=(1, 2, 3, 4), indent="  ")
+    yield from _map(scenario)
 
 
-def _cells(course: Course) -> list[tuple[str, ...]]:
+def _cells(scenario: Scenario) -> list[tuple[str, ...]]:
     """A row for each piece; where segments have several, with the number of its segment, as in the map."""
-    segments = course.segments
-    gates = np.bincount(segments.piece_at(course.reference.gate_times), minlength=len(segments.classes)).tolist()
+    segments = scenario.segments
+    gates = np.bincount(segments.piece_at(scenario.reference.gate_times), minlength=len(segments.classes)).tolist()
     cells = [("segment", "start", "end", "gates", "no.")]
     for piece, count in zip(segments.pieces, gates, strict=True):
         cells.append((str(piece.kind), f"{piece.start:.2f}", f"{piece.end:.2f}", str(count), str(piece.segment + 1)))
     return cells if segments.owners else [row[:-1] for row in cells]
 
 
-def _map(course: Course) -> Iterator[Line]:
+def _map(scenario: Scenario) -> Iterator[Line]:
     """The track from above and from the side, as wide as the terminal is."""
     width = min(shutil.get_terminal_size().columns, WIDEST)
-    gates, segments = course.race.track.gate_positions, course.segments
-    yield from Text.from_ansi(draw_map(course.reference, gates, segments, width=width, height=width // 4, colour=True)).split()
+    gates, segments = scenario.race.track.gate_positions, scenario.segments
+    yield from Text.from_ansi(draw_map(scenario.reference, gates, segments, width=width, height=width // 4, colour=True)).split()
 
 
 def _written(options: Namespace) -> Iterator[Line]:

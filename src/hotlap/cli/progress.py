@@ -13,8 +13,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColum
 from rich.text import Text
 
 from hotlap.cli.output import Plain, note, percent
-from hotlap.tuning import Batch, Candidate
-from hotlap.validation import Validation
+from hotlap.core.success_rate import Validation
+from hotlap.tuning.loop import Batch, Candidate
 
 if TYPE_CHECKING:
     from hotlap.analysis.comparison import Run

@@ -5,9 +5,9 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import Any
 
-from hotlap.check import describe_race
 from hotlap.cli.output import present, table
-from hotlap.files import Kind, load_race, names
+from hotlap.files.descriptions import Kind, load_race, names
+from hotlap.planning.feasibility import describe_race
 
 HEADER = ("race", "track", "gates", "v_max", "vehicle", "expected", "provenance")
 LONGEST = 48  # characters of a provenance

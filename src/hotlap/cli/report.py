@@ -10,7 +10,7 @@ from hotlap.cli.flying import make_ready
 from hotlap.cli.inputs import check_target
 from hotlap.cli.output import Line, facts, present, working
 from hotlap.cli.progress import follow_pieces
-from hotlap.study import Study
+from hotlap.study.study import Study
 from hotlap.worlds.world import World
 
 VIDEOS = (".gif", ".mp4")
@@ -21,7 +21,7 @@ def run(options: Namespace) -> int:
     _check_video(options.video)
     with Study.read(options.study) as study:
         world = worlds.build(study.configuration.world)
-        make_ready(world, study.configuration.course)
+        make_ready(world, study.configuration.scenario)
         from hotlap.report.page.writing import write_report  # noqa: PLC0415  it loads the flight core
 
         with working("writing the report"):
@@ -59,9 +59,9 @@ def _draw(study: Study, world: World, kind: str) -> tuple[Path, ...]:
 def _film(path: Path, study: Study, world: World) -> None:
     """The flight as a moving picture."""
     from hotlap.report.film.film import write_film  # noqa: PLC0415  matplotlib again
-    from hotlap.report.page.standing import read_standing  # noqa: PLC0415
+    from hotlap.study.snapshot import read_snapshot  # noqa: PLC0415
 
-    write_film(path, read_standing(study), world, follow_pieces)
+    write_film(path, read_snapshot(study), world, follow_pieces)
 
 
 def _lines(page: Path, figures: tuple[Path, ...], video: Path | None) -> list[Line]:

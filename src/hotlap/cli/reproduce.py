@@ -7,16 +7,16 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
+from hotlap.analysis.resumable import Context
 from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
-from hotlap.controllers import ControllerKind
-from hotlap.errors import InputError, StudyError
-from hotlap.files import replace
-from hotlap.reproduce.context import Context
+from hotlap.core.errors import InputError, StudyError
+from hotlap.race.controllers import ControllerKind
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.reproduce.page import Page
+from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
 PAGE, WEB = "page.md", "page.html"

@@ -13,16 +13,16 @@ from rich.text import Text
 
 from hotlap.cli.flying import command_to_fly
 from hotlap.cli.output import Line, facts, percent, seconds
-from hotlap.course import Course
-from hotlap.records import End, Flights, Scores
-from hotlap.result import Result
-from hotlap.validation import Validation
+from hotlap.core.records import End, Flights, Scores
+from hotlap.core.success_rate import Validation
+from hotlap.reference.scenario import Scenario
+from hotlap.study.result import Result
 
 if TYPE_CHECKING:
-    from hotlap.analysis.hold import Hold
+    from hotlap.analysis.robustness import Robustness
 
 
-def summarise(result: Result, holds: Sequence[Hold], paths: Mapping[str, Any], options: Namespace) -> Iterator[Line]:
+def summarise(result: Result, holds: Sequence[Robustness], paths: Mapping[str, Any], options: Namespace) -> Iterator[Line]:
     """How a tuning ended, what is where, and how to fly it again."""
     verdict, style = _verdict(result)
     yield Text(f"{result.race}: {verdict}", style=style)
@@ -49,7 +49,7 @@ def summarise(result: Result, holds: Sequence[Hold], paths: Mapping[str, Any], o
         yield f"what may be in the way: {shlex.join(['hotlap', 'check', options.race])}"
 
 
-def dump_holds(holds: Sequence[Hold]) -> list[dict[str, Any]]:
+def dump_holds(holds: Sequence[Robustness]) -> list[dict[str, Any]]:
     """As plain JSON."""
     plain = []
     for hold in holds:
@@ -59,11 +59,11 @@ def dump_holds(holds: Sequence[Hold]) -> list[dict[str, Any]]:
     return plain
 
 
-def describe_flights(course: Course, flights: Flights, scores: Scores) -> Iterator[Line]:
+def describe_flights(scenario: Scenario, flights: Flights, scores: Scores) -> Iterator[Line]:
     """How some flights of the same parameters ended."""
     complete = Validation(len(scores), int(scores.complete.sum()))
     laps = scores.lap_time[scores.complete]
-    yield f"{course.race.name}: {_count(len(scores), 'flight')}"
+    yield f"{scenario.race.name}: {_count(len(scores), 'flight')}"
     yield from facts(
         {
             "all gates in": share(complete),

@@ -9,29 +9,30 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hotlap import __version__, tuners, worlds
-from hotlap.cli.flying import check_guess, load, make_course, make_ready, read_guess
+from hotlap import tuners, worlds
+from hotlap.cli.flying import check_guess, load, make_ready, make_scenario, read_guess
 from hotlap.cli.inputs import check_source
 from hotlap.cli.output import note, present, working
 from hotlap.cli.progress import follow
 from hotlap.cli.stopping import remark
 from hotlap.cli.summary import dump_holds, summarise
-from hotlap.configuration import Configuration
-from hotlap.errors import HotlapError, InputError, StudyError
-from hotlap.files import PARAMETERS_FILE, save_parameters
-from hotlap.goal import Goal, Quantity, parse_goal
-from hotlap.objective import Objective
-from hotlap.result import Result
-from hotlap.saved_parameters import Remark, SavedParameters
-from hotlap.study import Study, carry_out, new_folder
-from hotlap.tuning import TuningSettings, course_for
+from hotlap.core.errors import HotlapError, InputError, StudyError
+from hotlap.core.version import __version__
+from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
+from hotlap.files.parameters_file import Remark, SavedParameters
+from hotlap.study.configuration import Configuration
+from hotlap.study.result import Result
+from hotlap.study.study import Study, new_folder
+from hotlap.tuning.goal import Goal, Quantity, parse_goal
+from hotlap.tuning.loop import TuningSettings, scenario_for
+from hotlap.tuning.objective import Objective
 from hotlap.worlds.world import World
 
 FASTEST = "race.toml"  # written by the search for the fastest plan
 LAP_TIME = "lap_time"  # a goal that is not reached by parameters alone
 
 if TYPE_CHECKING:
-    from hotlap.analysis.hold import Hold
+    from hotlap.analysis.robustness import Robustness
 
 
 def run(options: Namespace) -> int:
@@ -41,7 +42,7 @@ def run(options: Namespace) -> int:
 
         return fastest.run(options)
     world, configuration = _configure(options)
-    folder = new_folder(configuration.course.race.name) if options.out is None else options.out
+    folder = new_folder(configuration.scenario.race.name) if options.out is None else options.out
     with (
         remark(f"nothing is lost; go on with: {_continuing(options, folder)}"),
         Study.open(folder, configuration, repeating(options.arguments)) as study,
@@ -63,11 +64,11 @@ def run(options: Namespace) -> int:
 
 def _configure(options: Namespace) -> tuple[World, Configuration]:
     """Check everything that was asked for, the quick things first, and plan."""
-    names = ("budget", "seed", "confirm", "validation", "reliability", "batch", "randomise", "worlds")
+    names = ("budget", "seed", "confirm", "validation", "reliability", "batch", "randomise", "samples")
     numbers = {name: getattr(options, name) for name in names}
     settings = TuningSettings(goal=_goal(options.goal), **numbers)
     tuner, world = tuners.build(options.tuner), worlds.build(options.on)
-    if options.randomise and not world.takes_truth:
+    if options.randomise and not world.takes_vehicle_parameters:
         raise InputError("--randomise", "", f"{world.name} flies the vehicle that it has")
     check_source(options.reference)
     check_guess(options.first_guess)
@@ -76,9 +77,9 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
     if options.out is not None and (options.out / FASTEST).exists():
         raise StudyError(str(options.out), "", "holds a search for the fastest plan; give --out a folder of its own")
     with remark(f"nothing is lost; begin again with: {shlex.join(['hotlap', 'tune', *options.arguments])}"):
-        course = course_for(make_course(load(options), options), tuner)
-    first = read_guess(options.first_guess, course)
-    return world, Configuration(course, world.name, settings.goal.metric, tuner.name, settings, first)
+        scenario = scenario_for(make_scenario(load(options), options), tuner)
+    first = read_guess(options.first_guess, scenario)
+    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first)
 
 
 def _goal(text: str) -> Goal:
@@ -92,18 +93,18 @@ def _goal(text: str) -> Goal:
 def _carry_out(study: Study, world: World) -> Result:
     """Tune and validate, from wherever the study stands."""
     configuration = study.configuration
-    make_ready(world, configuration.course)
+    make_ready(world, configuration.scenario)
     before = study.result
     if before is not None:
         note(f"{study.folder}: going on after {before.flights} flights")
-    objective = Objective(configuration.course, world, configuration.metric, configuration.settings.randomise)
+    objective = Objective(configuration.scenario, world, configuration.metric, configuration.settings.randomise)
     with follow(configuration.settings.budget, before.flights if before else 0) as watch:
-        return carry_out(study, objective, watch)
+        return study.run(objective, watch)
 
 
 def _saved(study: Study, result: Result) -> SavedParameters:
     """The best parameters, with how they came about; the same study always gives the same file."""
-    course = study.configuration.course
+    scenario = study.configuration.scenario
     provenance: dict[str, Remark | None] = {
         "hotlap": __version__,
         "study": study.configuration.fingerprint,
@@ -122,7 +123,7 @@ def _saved(study: Study, result: Result) -> SavedParameters:
         provenance |= {"validation_flights": result.validation.flights, "validated_rate": result.validation.rate}
         provenance |= {"validated_low": low, "validated_high": high}
     known = {key: value for key, value in provenance.items() if value is not None}
-    return SavedParameters(course.race.name, course.space.names, course.segments, result.best.parameters, known)
+    return SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, result.best.parameters, known)
 
 
 def _draw(study: Study, world: World) -> tuple[Path, ...]:
@@ -136,7 +137,7 @@ def _draw(study: Study, world: World) -> tuple[Path, ...]:
         return ()
 
 
-def _report(study: Study, world: World, holds: tuple[Hold, ...]) -> str | None:
+def _report(study: Study, world: World, holds: tuple[Robustness, ...]) -> str | None:
     """The page of a study, of which the same is true."""
     from hotlap.report.page.writing import write_report  # noqa: PLC0415  it loads the flight core
 
@@ -148,15 +149,15 @@ def _report(study: Study, world: World, holds: tuple[Hold, ...]) -> str | None:
         return None
 
 
-def _holds(study: Study, world: World, result: Result) -> tuple[Hold, ...]:
-    """How the best parameters fare where the truth is a little different; nothing where the world flies what it has."""
+def _holds(study: Study, world: World, result: Result) -> tuple[Robustness, ...]:
+    """How the best parameters fare with a vehicle that differs a little; nothing where the world flies what it has."""
     configuration = study.configuration
-    if not world.takes_truth or not configuration.settings.validation:
+    if not world.takes_vehicle_parameters or not configuration.settings.validation:
         return ()
-    from hotlap.analysis.hold import will_it_hold  # noqa: PLC0415  it loads the flight core
+    from hotlap.analysis.robustness import check_robustness  # noqa: PLC0415  it loads the flight core
 
-    with working("flying it where the truth is different"):
-        return will_it_hold(configuration.course, world, configuration.settings.goal, result.best.parameters, result.seed)
+    with working("flying vehicles that differ a little"):
+        return check_robustness(configuration.scenario, world, configuration.settings.goal, result.best.parameters, result.seed)
 
 
 def repeating(arguments: Sequence[str]) -> str:

@@ -11,7 +11,7 @@ from hotlap.cli.flying import make_ready
 from hotlap.cli.inputs import check_range
 from hotlap.cli.output import note, present
 from hotlap.cli.stopping import Stopped
-from hotlap.study import Study
+from hotlap.study.study import Study
 
 
 def run(options: Namespace) -> int:
@@ -19,7 +19,7 @@ def run(options: Namespace) -> int:
     check_range("--port", options.port, 0, 65535)
     with Study.read(options.study) as study:
         world = worlds.build(study.configuration.world)
-        make_ready(world, study.configuration.course)
+        make_ready(world, study.configuration.scenario)
     from hotlap.report.page.live import LiveStudy  # noqa: PLC0415  it loads the flight core
     from hotlap.report.page.writing import load_template  # noqa: PLC0415
     from hotlap.report.server import Server  # noqa: PLC0415

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.course import Course
-from hotlap.race import Race, Rule
+from hotlap.race.race import GateRule, Race
+from hotlap.reference.scenario import Scenario
 
 Floats = NDArray[np.float64]
 
@@ -67,9 +67,9 @@ OF_A_PIECE: Mapping[str, Callable[[Stretch], float]] = {
 
 OF_A_RACE: Mapping[str, Callable[[Race], float]] = {
     "thrust_to_weight": lambda race: race.vehicle.thrust_to_weight,
-    "unknown_delay": lambda race: race.vehicle.delay - (race.believed.delay if race.controller.predict else 0.0),
+    "unknown_delay": lambda race: race.vehicle.delay - (race.control_model.delay if race.controller.predict else 0.0),
     "response_time": lambda race: 1 / race.vehicle.rate_gain[0] + sum(race.vehicle.motor_time) / 2,
-    "closest": lambda race: float(race.judge.rule is not Rule.CLOCK),
+    "closest": lambda race: float(race.judge.rule is not GateRule.CLOCK),
 }
 """Of who flies: thrust over weight, dead time [s] that the controller does not know of, lag [s] of motors and rate loop, and 1 where gates
 are judged by closest approach."""
@@ -77,25 +77,25 @@ are judged by closest approach."""
 PAPER = ("points", "slope", "rise", "mean_speed", "mean_acceleration")
 
 
-def piece_features(course: Course, names: Sequence[str]) -> Floats:
+def piece_features(scenario: Scenario, names: Sequence[str]) -> Floats:
     """Features of each piece, shape (P, F), in the order of the names; those of the race are the same in every row."""
-    period, last = course.reference.period, course.reference.planned_rows - 1
-    cuts = [tuple(min(round(time / period), last) for time in (piece.start, piece.end)) for piece in course.segments.pieces]
-    return np.array([_features(course, _stretch(course, first, end), names) for first, end in cuts])
+    period, last = scenario.reference.period, scenario.reference.planned_rows - 1
+    cuts = [tuple(min(round(time / period), last) for time in (piece.start, piece.end)) for piece in scenario.segments.pieces]
+    return np.array([_features(scenario, _stretch(scenario, first, end), names) for first, end in cuts])
 
 
-def race_features(course: Course, names: Sequence[str]) -> Floats:
+def race_features(scenario: Scenario, names: Sequence[str]) -> Floats:
     """Features of a race and of its whole reference, shape (F,)."""
-    return np.array(_features(course, _stretch(course, 0, course.reference.planned_rows - 1), names))
+    return np.array(_features(scenario, _stretch(scenario, 0, scenario.reference.planned_rows - 1), names))
 
 
-def _features(course: Course, stretch: Stretch, names: Sequence[str]) -> list[float]:
+def _features(scenario: Scenario, stretch: Stretch, names: Sequence[str]) -> list[float]:
     """In the order of the names."""
-    return [OF_A_RACE[name](course.race) if name in OF_A_RACE else OF_A_PIECE[name](stretch) for name in names]
+    return [OF_A_RACE[name](scenario.race) if name in OF_A_RACE else OF_A_PIECE[name](stretch) for name in names]
 
 
-def _stretch(course: Course, first: int, end: int) -> Stretch:
+def _stretch(scenario: Scenario, first: int, end: int) -> Stretch:
     """Rows of a reference, both ends counted."""
-    reference, rows = course.reference, slice(first, max(end, first) + 1)
-    thrust = reference.thrust[rows] / course.race.vehicle.max_acceleration
+    reference, rows = scenario.reference, slice(first, max(end, first) + 1)
+    thrust = reference.thrust[rows] / scenario.race.vehicle.max_acceleration
     return Stretch(reference.period, reference.position[rows], reference.velocity[rows], reference.rates[rows], thrust)

@@ -6,39 +6,39 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from hotlap.course import Course
-from hotlap.errors import UnknownNameError
+from hotlap.core.errors import UnknownNameError
+from hotlap.core.parameters import Parameters
 from hotlap.first_guess.features import race_features
 from hotlap.first_guess.regression import Regression
 from hotlap.first_guess.training_set import TrainingSet, shipped
 from hotlap.first_guess.vote import vote
-from hotlap.parameters import Parameters
+from hotlap.reference.scenario import Scenario
 
 LEARNED, PAPER, DEFAULT = "learned", "paper", "default"
 NAMES = (LEARNED, PAPER, DEFAULT)
 
-Method = Callable[[Course, TrainingSet], Parameters]
+Method = Callable[[Scenario, TrainingSet], Parameters]
 
 
-def voted(course: Course, training: TrainingSet) -> Parameters:
+def voted(scenario: Scenario, training: TrainingSet) -> Parameters:
     """What flew best in the training races that are like this one, the same in all segments, shape (S, K)."""
-    chosen = vote(training, race_features(course, training.race_features))
-    return np.tile(chosen, (len(course.segments), 1))
+    chosen = vote(training, race_features(scenario, training.race_features))
+    return np.tile(chosen, (len(scenario.segments), 1))
 
 
 METHODS: Mapping[str, Method] = {LEARNED: voted, PAPER: Regression()}
 
 
-def first_guess(course: Course, name: str = LEARNED, training: TrainingSet | None = None) -> Parameters:
+def first_guess(scenario: Scenario, name: str = LEARNED, training: TrainingSet | None = None) -> Parameters:
     """Where a search begins.
 
     Args:
-        course: what is to be flown.
+        scenario: what is to be flown.
         name: "learned", by vote; "paper", by gradient boosting for each class of segments; "default", the controller's default.
         training: what it is learnt from; None: what comes with hotlap.
 
     Returns:
-        Shape (S, K), within the bounds; the default where nothing was learnt about the course's controller.
+        Shape (S, K), within the bounds; the default where nothing was learnt about the scenario's controller.
 
     Raises:
         UnknownNameError: there is no guess of that name.
@@ -46,21 +46,21 @@ def first_guess(course: Course, name: str = LEARNED, training: TrainingSet | Non
     """
     if name not in NAMES:
         raise UnknownNameError("first guess", name, NAMES)
-    default = course.space.first_guess(len(course.segments))
+    default = scenario.space.first_guess(len(scenario.segments))
     if name == DEFAULT:
         return default
     training = training or shipped()
-    return guess_by(METHODS[name], course, training) if teaches(training, course) else default
+    return guess_by(METHODS[name], scenario, training) if teaches(training, scenario) else default
 
 
-def teaches(training: TrainingSet, course: Course) -> bool:
-    """Whether a training set is about the parameters of a course's controller."""
-    return training.names == course.space.names
+def teaches(training: TrainingSet, scenario: Scenario) -> bool:
+    """Whether a training set is about the parameters of a scenario's controller."""
+    return training.names == scenario.space.names
 
 
-def guess_by(method: Method, course: Course, training: TrainingSet) -> Parameters:
-    """What a method says, in the units of the course's controller and within its bounds."""
-    values = np.array(method(course, training))
+def guess_by(method: Method, scenario: Scenario, training: TrainingSet) -> Parameters:
+    """What a method says, in the units of the scenario's controller and within its bounds."""
+    values = np.array(method(scenario, training))
     if "horizon" in training.names:
-        values[:, training.names.index("horizon")] *= training.horizon_unit / course.race.controller.horizon_unit
-    return course.space.clip(values)
+        values[:, training.names.index("horizon")] *= training.horizon_unit / scenario.race.controller.horizon_unit
+    return scenario.space.clip(values)

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.course import Course
+from hotlap.core.parameters import Parameters
 from hotlap.first_guess.features import OF_A_RACE, PAPER, piece_features, race_features
 from hotlap.first_guess.training_set import TrainingRace, TrainingSet
-from hotlap.parameters import Parameters
+from hotlap.reference.scenario import Scenario
 
 Floats = NDArray[np.float64]
 
@@ -87,21 +87,21 @@ class Regression:
     regressor: str = "boosting"
     features: tuple[str, ...] = PAPER
 
-    def __call__(self, course: Course, training: TrainingSet) -> Parameters:
+    def __call__(self, scenario: Scenario, training: TrainingSet) -> Parameters:
         """Predict, shape (S, K); a class that no training race has is predicted from all classes.
 
         Raises:
             ValueError: there is no race to learn from.
         """
-        races = taught(training, race_features(course, training.race_features))
-        rows = piece_features(course, self.features)
-        kinds = [piece.kind for piece in course.segments.pieces]
+        races = taught(training, race_features(scenario, training.race_features))
+        rows = piece_features(scenario, self.features)
+        kinds = [piece.kind for piece in scenario.segments.pieces]
         predicted = np.empty((len(kinds), len(training.names)))
         for kind in dict.fromkeys(kinds):
             own = [i for i, other in enumerate(kinds) if other is kind]
             features, values = self._table(training, races, kind)
             predicted[own] = self._fitted(features, values).predict(rows[own])
-        return np.exp(_of_segments(course, predicted))
+        return np.exp(_of_segments(scenario, predicted))
 
     def _table(self, training: TrainingSet, races: Sequence[TrainingRace], kind: str) -> tuple[Floats, Floats]:
         """Features and logarithms of parameters of a class, or of all where it has none: shape (n, F) and (n, K)."""
@@ -135,10 +135,10 @@ def taught(training: TrainingSet, features: Floats) -> list[TrainingRace]:
     return [race for race in races if race.vehicle == nearest]
 
 
-def _of_segments(course: Course, predicted: Floats) -> Floats:
+def _of_segments(scenario: Scenario, predicted: Floats) -> Floats:
     """Means over the pieces of each segment, weighted by their durations, shape (S, K)."""
-    totals, weights = np.zeros((len(course.segments), predicted.shape[1])), np.zeros(len(course.segments))
-    for piece, row in zip(course.segments.pieces, predicted, strict=True):
+    totals, weights = np.zeros((len(scenario.segments), predicted.shape[1])), np.zeros(len(scenario.segments))
+    for piece, row in zip(scenario.segments.pieces, predicted, strict=True):
         totals[piece.segment] += (piece.end - piece.start) * row
         weights[piece.segment] += piece.end - piece.start
     return totals / weights[:, None]

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from hotlap.errors import InputError
-from hotlap.faults import check
+from hotlap.core.errors import InputError
+from hotlap.files.error_messages import check
 from hotlap.first_guess.features import OF_A_PIECE, OF_A_RACE
-from hotlap.schema import Described, Positive
-from hotlap.segments import SegmentClass
+from hotlap.race.schema import Described, Positive
+from hotlap.reference.segments import SegmentClass
 
 Floats = NDArray[np.float64]
 

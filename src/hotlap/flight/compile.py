@@ -17,7 +17,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
 
-from hotlap.errors import HotlapError
+from hotlap.core.errors import HotlapError
 from hotlap.flight.lanes import PLAIN_MATH, Lanes, implement, math_intrinsic
 from hotlap.flight.program import Instruction, Program, run
 
@@ -59,8 +59,8 @@ def compiled(build: Callable[[], Program]) -> Callable[..., None]:
 
 
 def compiled_dynamics(name: str) -> Callable[..., None]:
-    """A function of `hotlap.dynamics` as `compiled` makes it; CasADi is loaded when it is compiled, not before."""
-    return compiled(lambda: translate(getattr(import_module("hotlap.dynamics"), name)()))
+    """A function of `hotlap.dynamics.models` as `compiled` makes it; CasADi is loaded when it is compiled, not before."""
+    return compiled(lambda: translate(getattr(import_module("hotlap.dynamics.models"), name)()))
 
 
 def _emit(builder: Any, program: Program, pointers: list, kind: Any, llvm_type: Any) -> None:

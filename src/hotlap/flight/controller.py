@@ -13,44 +13,44 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hotlap.controllers import ControllerKind
-from hotlap.course import Course
-from hotlap.errors import HotlapError
-from hotlap.flight.batch import predicting, prepare, settings_of
-from hotlap.flight.doors import DOORS
-from hotlap.flight.handover import FRESH
+from hotlap.core.errors import HotlapError
+from hotlap.core.parameters import Parameters
+from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
+from hotlap.flight.fly import predicting, prepare, settings_of
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers
 from hotlap.flight.numbers import COMPILE, Numbers
-from hotlap.flight.pilot import Pilot, allocate_pilot, begin_pilot
-from hotlap.parameters import Parameters
+from hotlap.flight.registry import CONTROLLERS
+from hotlap.flight.segment_switch import FRESH
+from hotlap.race.controllers import ControllerKind
+from hotlap.reference.scenario import Scenario
 
 STATE = 10  # p q v; body rates may follow and are not used
 MOST_AGE = 0.25  # s
 
 
 class Controller:
-    """Commands for a drone on a course.
+    """Commands for a drone on a scenario.
 
     Args:
-        course: what is flown; its race's model and controller settings count, not its vehicle.
+        scenario: what is flown; its race's model and controller settings count, not its vehicle.
         parameters: shape (S, K) or, for all segments alike, (K,).
 
     Raises:
         HotlapError: parameters that do not fit.
     """
 
-    def __init__(self, course: Course, parameters: Parameters) -> None:
-        whole = np.array(np.broadcast_to(parameters, (len(course.segments), course.space.size)), dtype=np.float64)
-        self._job, _ = prepare(course, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
-        self._settings = settings_of(course.race)._replace(stop_early=False)  # the same work at every step
-        self._known = course.race.believed.delay if course.race.controller.predict else 0.0
-        kind = course.race.controller.kind
-        self._memory = DOORS[kind].allocate(self._settings.nodes, 1, np.float64)
+    def __init__(self, scenario: Scenario, parameters: Parameters) -> None:
+        whole = np.array(np.broadcast_to(parameters, (len(scenario.segments), scenario.space.size)), dtype=np.float64)
+        self._job, _ = prepare(scenario, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
+        self._settings = settings_of(scenario.race)._replace(stop_early=False)  # the same work at every step
+        self._known = scenario.race.control_model.delay if scenario.race.controller.predict else 0.0
+        kind = scenario.race.controller.kind
+        self._memory = CONTROLLERS[kind].allocate(self._settings.nodes, 1, np.float64)
         self._begin, self._step = _steps(kind)
         commands = math.ceil((self._known + MOST_AGE) / self._settings.period) + 2
-        self._pilot = allocate_pilot(commands, 1, np.float64)
+        self._pilot = allocate_control_loop(commands, 1, np.float64)
         self.reset()
 
     def reset(self) -> None:
@@ -98,17 +98,17 @@ class Controller:
 @cache
 def _steps(kind: ControllerKind) -> tuple[Any, Any]:
     """Compiled functions that begin, and that do one control step."""
-    begin, aim, control = DOORS[kind].begin, DOORS[kind].aim, DOORS[kind].control
+    begin, aim, control = CONTROLLERS[kind].begin, CONTROLLERS[kind].aim, CONTROLLERS[kind].control
 
-    def begin_one(job: Job, s: Settings, memory: Any, pilot: Pilot) -> None:
+    def begin_one(job: Job, s: Settings, memory: Any, loop: ControlLoop) -> None:
         """Forget the flight before."""
         begin(job, s, memory, 0)
-        begin_pilot(s, pilot, 0)
+        begin_control_loop(s, loop, 0)
 
-    def step_one(job: Job, s: Settings, memory: Any, pilot: Pilot, piece: int, time: float, elapsed: float) -> int:
+    def step_one(job: Job, s: Settings, memory: Any, loop: ControlLoop, piece: int, time: float, elapsed: float) -> int:
         """Aim and control once; returns the piece of the reference that it is now."""
-        now = aim(job, s, memory, pilot, 0, 0, piece, time, elapsed)
-        control(s, as_numbers(memory, 0), as_numbers(pilot, 0))
+        now = aim(job, s, memory, loop, 0, 0, piece, time, elapsed)
+        control(s, as_numbers(memory, 0), as_numbers(loop, 0))
         return now
 
     return keep(njit(**COMPILE)(begin_one), f"{kind}-begin"), keep(njit(**COMPILE)(step_one), f"{kind}-step")

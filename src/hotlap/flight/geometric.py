@@ -17,12 +17,12 @@ import numpy as np
 from numba import njit
 
 from hotlap.flight.compile import compiled
-from hotlap.flight.handover import piece_flown
+from hotlap.flight.control_loop import ControlLoop, issue, predict
 from hotlap.flight.job import Job, Settings
+from hotlap.flight.mpc_reference import hover_inputs, read_reference
 from hotlap.flight.numbers import INLINE, aligned_zeros
-from hotlap.flight.pilot import Pilot, issue, predict
 from hotlap.flight.program import Number, Program, Tape, dot
-from hotlap.flight.tracking import hover_inputs, read_reference
+from hotlap.flight.segment_switch import piece_flown
 
 GAINS = 6  # k_pos_xy, k_pos_z, k_vel_xy, k_vel_z, k_attitude, k_yaw
 OPPOSITE = 1e-3  # least 1 + cos of the angle that is turned: at 180 degrees every way is the shortest
@@ -112,10 +112,20 @@ def begin_geometric(job: Job, s: Settings, g: Geometric, k: int) -> None:
 
 
 @njit(**INLINE)
-def aim_geometric(job: Job, s: Settings, g: Geometric, pilot: Pilot, k: int, flight: int, before: int, time: float, elapsed: float) -> int:  # noqa: ARG001
-    """Reference and gains of a lane's control step; as `control.aim`."""
+def aim_geometric(
+    job: Job,
+    s: Settings,
+    g: Geometric,
+    loop: ControlLoop,
+    k: int,
+    flight: int,
+    before: int,
+    time: float,
+    elapsed: float,  # noqa: ARG001
+) -> int:
+    """Reference and gains of a lane's control step; as `mpc_step.aim`."""
     ahead = time + s.lead
-    piece = piece_flown(job, s, pilot.seen, k, before, ahead)
+    piece = piece_flown(job, s, loop.seen, k, before, ahead)
     read_reference(g, k, job.table, s.table_period, ahead, 0.0)
     if not s.feed_forward:
         hover_inputs(g, k, s.gravity)
@@ -128,7 +138,7 @@ def aim_geometric(job: Job, s: Settings, g: Geometric, pilot: Pilot, k: int, fli
 
 
 @njit(**INLINE)
-def control_geometric(s: Settings, g: Geometric, p: Pilot) -> None:
+def control_geometric(s: Settings, g: Geometric, p: ControlLoop) -> None:
     """One control step on all lanes: from the state seen to the command, `history[0]`."""
     predict(s, g.gravity, p)
     steer(p.seen, g.reference[0], g.acceleration, g.gains, g.low, g.high, g.gravity, g.command)

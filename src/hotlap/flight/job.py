@@ -21,8 +21,8 @@ class Settings(NamedTuple):
         predicted_periods, predicted_rest: whole periods, and the rest [s], over which it predicts the state.
         feed_forward: the reference's inputs, else hover.
         gravity: [m/s^2] of the controller's model.
-        handover: to the parameters of the next segment, a `handover.Mode`.
-        handover_distance: [m].
+        segment_switch: to the parameters of the next segment, a `segment_switch.Mode`.
+        segment_switch_distance: [m].
         thrust_noise, rate_noise, noise_memory: actuation; the memory is that of one period.
         thrust_bias, position, velocity, attitude: of a flight's beginning.
         measured_position, measured_velocity, measured_attitude: what the controller sees.
@@ -41,8 +41,8 @@ class Settings(NamedTuple):
     predicted_rest: float
     feed_forward: bool
     gravity: float
-    handover: int
-    handover_distance: float
+    segment_switch: int
+    segment_switch_distance: float
     thrust_noise: float
     rate_noise: float
     noise_memory: float
@@ -72,7 +72,7 @@ class Job(NamedTuple):
         vehicles: (B or 1, V) as `plant.vehicle_numbers` gives them.
         delay_periods, delay_steps: (B or 1,) dead time in control periods and, beyond them, in steps of the plant.
         autopilot: (A,).
-        believed: (M,) in the order of `dynamics_layout.MODEL`.
+        control_model: (M,) in the order of `parameter_layout.MODEL`.
         log_rows: (B,) row in `logs`, -1 for a flight that is not logged.
         logs: (L, periods + 1, 21).
         queue: (1,) next flight that nobody flies yet.
@@ -91,7 +91,7 @@ class Job(NamedTuple):
     delay_periods: Any
     delay_steps: Any
     autopilot: Any
-    believed: Any
+    control_model: Any
     log_rows: Any
     logs: Any
     queue: Any

@@ -12,12 +12,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from hotlap.core.records import End
 from hotlap.flight.numbers import INLINE
-from hotlap.race import JudgeSettings, Rule
-from hotlap.records import End
+from hotlap.race.race import GateRule, JudgeSettings
 
 CLOCK, CLOSEST, RELEASED = range(3)  # as compiled code knows the rules
-_RULES = {Rule.CLOCK: CLOCK, Rule.CLOSEST: CLOSEST, Rule.RELEASED: RELEASED}
+_RULES = {GateRule.CLOCK: CLOCK, GateRule.CLOSEST: CLOSEST, GateRule.RELEASED: RELEASED}
 FINISHED, MISSED, CRASHED = int(End.FINISHED), int(End.MISSED), int(End.CRASHED)
 FLYING = -1
 
@@ -78,7 +78,7 @@ def gates_of(settings: JudgeSettings, positions: NDArray[np.float64], times: NDA
         times: shape (M,) [s] of the reference.
         floor: [m] of the track, or None.
     """
-    before, after = settings.window if settings.rule is not Rule.RELEASED else (math.inf, math.inf)
+    before, after = settings.window if settings.rule is not GateRule.RELEASED else (math.inf, math.inf)
     return Gates(
         np.ascontiguousarray(positions, dtype=np.float64),
         np.ascontiguousarray(times, dtype=np.float64),

@@ -19,18 +19,9 @@ from typing import Any
 
 from numba.core import caching
 
-from hotlap.cache import digest_sources, folder
+from hotlap.system.disk_cache import digest_sources, folder
 
-SOURCES = (
-    "hotlap.flight",
-    "hotlap.dynamics",
-    "hotlap.dynamics_layout",
-    "hotlap.linearisation",
-    "hotlap.controllers",
-    "hotlap.race",
-    "hotlap.records",
-    "hotlap.quadrotor",
-)
+SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.race", "hotlap.core.records")
 
 
 def place() -> Path:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from hotlap.dynamics_layout import NODE_JACOBIAN
+from hotlap.dynamics.parameter_layout import NODE_JACOBIAN
 from hotlap.flight.compile import compiled, compiled_dynamics
 from hotlap.flight.lanes import every, number, select
 from hotlap.flight.numbers import COMPILE, aligned_zeros
@@ -60,8 +60,8 @@ class Mpc(NamedTuple):
         gains, feed: (N, 36), (N, 4) policy.
         value, slope: (2, 45), (2, 9) P and p, at two nodes.
         scratch: of the backward stage.
-        is_open: (1,) 1 where another sweep is wanted.
-        unrest: (2,) of the last sweep: largest change of an input, 1 if one is at a bound.
+        needs_sweep: (1,) 1 where another sweep is wanted.
+        convergence: (2,) of the last sweep: largest change of an input, 1 if one is at a bound.
     """
 
     X: Any
@@ -82,8 +82,8 @@ class Mpc(NamedTuple):
     value: Any
     slope: Any
     scratch: Any
-    is_open: Any
-    unrest: Any
+    needs_sweep: Any
+    convergence: Any
 
 
 def allocate_mpc(
@@ -103,7 +103,7 @@ def allocate_mpc(
         "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (nodes + 1, 4), "input_weights": (4,),
         "spacing": (1,), "low": (4,), "high": (4,), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9),
         "change": (2, 9), "jacobian": (nodes, jacobian), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE),
-        "slope": (2, 9), "scratch": (scratch,), "is_open": (1,), "unrest": (2,),
+        "slope": (2, 9), "scratch": (scratch,), "needs_sweep": (1,), "convergence": (2,),
     }  # fmt: skip
     memory = Mpc(**{name: aligned_zeros((*size, lanes), kind) for name, size in sizes.items()})
     for array in (memory.weights, memory.input_weights, memory.spacing, memory.constants, memory.X[:, 3], memory.reference[:, 3]):
@@ -131,13 +131,13 @@ def solver(linearise: Callable[..., None], backward: Callable[..., None], forwar
             )  # fmt: skip
         for i in range(9):
             m.change[0, i] = zero
-        m.unrest[0] = zero
-        m.unrest[1] = zero
+        m.convergence[0] = zero
+        m.convergence[1] = zero
         for n in range(nodes):
             now = n % 2
             forward(
                 m.jacobian[n], m.gains[n], m.feed[n], m.change[now], m.inputs[n], m.deviation[n + 1], m.spacing, m.low, m.high,
-                m.is_open, m.unrest, m.inputs[n], m.change[1 - now], m.deviation[n + 1], m.unrest,
+                m.needs_sweep, m.convergence, m.inputs[n], m.change[1 - now], m.deviation[n + 1], m.convergence,
             )  # fmt: skip
 
     @njit(**COMPILE)
@@ -151,11 +151,11 @@ def solver(linearise: Callable[..., None], backward: Callable[..., None], forwar
                 m.X[n], m.U[n], m.X[n + 1], m.deviation[n], m.spacing, m.low, m.high, m.constants,
                 m.inputs[n], m.deviation[n + 1], m.jacobian[n],
             )  # fmt: skip
-        m.is_open[0] = number(zero, 1.0)
+        m.needs_sweep[0] = number(zero, 1.0)
         for _ in range(sweeps):
             sweep(m)
-            m.is_open[0] = select(m.unrest[0] > AT_REST, select(m.unrest[1] > 0.5, m.is_open[0], zero), zero)
-            if stop_early and every(m.is_open[0] < 0.5):
+            m.needs_sweep[0] = select(m.convergence[0] > AT_REST, select(m.convergence[1] > 0.5, m.needs_sweep[0], zero), zero)
+            if stop_early and every(m.needs_sweep[0] < 0.5):
                 break
         for n in range(nodes + 1):
             retract(m.X[n], m.deviation[n], m.X[n])

@@ -8,59 +8,69 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hotlap.dynamics_layout import AUTOPILOT, DISTURBANCE, MODEL, VEHICLE
-from hotlap.errors import HotlapError
+from hotlap.core.errors import HotlapError
+from hotlap.dynamics.parameter_layout import AUTOPILOT, DISTURBANCE, MODEL, VEHICLE
 from hotlap.flight.compile import compiled_dynamics
 from hotlap.flight.lanes import select
 from hotlap.flight.numbers import COMPILE, aligned_zeros
-from hotlap.quadrotor import Layout, Quadrotor, torque_matrix
-from hotlap.race import PLANT_STEP
-from hotlap.truth import TRUTH
+from hotlap.race.quadrotor import Quadrotor, RotorLayout, torque_matrix
+from hotlap.race.race import PLANT_STEP
+from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS
 
 Floats = NDArray[np.float64]
 
 step_plant = compiled_dynamics("plant_step")
 
 
-def vehicle_numbers(truth: Floats, layout: Layout) -> Floats:
+def vehicle_numbers(vehicle_parameters: Floats, layout: RotorLayout) -> Floats:
     """What `dynamics.plant_step` takes for the vehicle.
 
     Args:
-        truth: shape (B, P).
+        vehicle_parameters: shape (B, P).
         layout: of the rotors.
 
     Returns:
-        Shape (B, V), in the order of `dynamics_layout.VEHICLE`.
+        Shape (B, V), in the order of `parameter_layout.VEHICLE`.
 
     Raises:
         HotlapError: a physical parameter is not finite or negative, or a mass or inertia is 0.
     """
-    if truth.ndim != 2 or truth.shape[1] != len(TRUTH):
-        raise HotlapError(f"truth must have the columns {', '.join(TRUTH)}, not shape {truth.shape}")
-    bad = ~(np.isfinite(truth) & (truth >= 0)) | ((truth == 0) & (np.arange(len(TRUTH)) < 6))
+    if vehicle_parameters.ndim != 2 or vehicle_parameters.shape[1] != len(VEHICLE_PARAMETERS):
+        raise HotlapError(f"vehicle_parameters must have the columns {', '.join(VEHICLE_PARAMETERS)}, not shape {vehicle_parameters.shape}")
+    bad = ~(np.isfinite(vehicle_parameters) & (vehicle_parameters >= 0)) | (
+        (vehicle_parameters == 0) & (np.arange(len(VEHICLE_PARAMETERS)) < 6)
+    )
     if bad.any():
         row, column = np.argwhere(bad)[0]
-        raise HotlapError(f"truth[{row}]: {TRUTH[column]} cannot be {truth[row, column]:g}")
+        raise HotlapError(f"vehicle_parameters[{row}]: {VEHICLE_PARAMETERS[column]} cannot be {vehicle_parameters[row, column]:g}")
     unit_arm, unit_ratio = torque_matrix(layout, 1.0, 0.0), torque_matrix(layout, 0.0, 1.0)
-    torques = truth[:, 4, None, None] * unit_arm + truth[:, 5, None, None] * unit_ratio
+    torques = vehicle_parameters[:, 4, None, None] * unit_arm + vehicle_parameters[:, 5, None, None] * unit_ratio
     with np.errstate(divide="ignore"):
-        shares = 1 - np.exp(-PLANT_STEP / truth[:, 8:10])  # a motor time of 0 follows at once
-    parts = [truth[:, :4], torques.reshape(len(truth), 12), truth[:, 6:8], shares, truth[:, 10:17], truth[:, 22:], truth[:, 17:21]]
+        shares = 1 - np.exp(-PLANT_STEP / vehicle_parameters[:, 8:10])  # a motor time of 0 follows at once
+    parts = [
+        vehicle_parameters[:, :4],
+        torques.reshape(len(vehicle_parameters), 12),
+        vehicle_parameters[:, 6:8],
+        shares,
+        vehicle_parameters[:, 10:17],
+        vehicle_parameters[:, 22:],
+        vehicle_parameters[:, 17:21],
+    ]
     return np.hstack(parts)
 
 
-def autopilot_numbers(believed: Quadrotor) -> Floats:
+def autopilot_numbers(control_model: Quadrotor) -> Floats:
     """What `dynamics.plant_step` takes for the rate loop, shape (A,): mass, inertia and mixer of what it takes the vehicle for."""
-    mixer = np.linalg.inv(np.vstack([np.ones(4), believed.torque_matrix]))
-    return np.concatenate([[believed.mass], believed.inertia_vector, mixer.ravel()])
+    mixer = np.linalg.inv(np.vstack([np.ones(4), control_model.torque_matrix]))
+    return np.concatenate([[control_model.mass], control_model.inertia_vector, mixer.ravel()])
 
 
-def model_numbers(believed: Quadrotor) -> Floats:
-    """What a controller's own model is given, shape (M,), in the order of `dynamics_layout.MODEL`."""
-    return np.concatenate([np.atleast_1d(getattr(believed, name)) for name in MODEL])
+def model_numbers(control_model: Quadrotor) -> Floats:
+    """What a controller's own model is given, shape (M,), in the order of `parameter_layout.MODEL`."""
+    return np.concatenate([np.atleast_1d(getattr(control_model, name)) for name in MODEL])
 
 
-class Craft(NamedTuple):
+class VehicleState(NamedTuple):
     """Memory of a vehicle in flight; raw floats (..., lanes), or numbers (...).
 
     Attributes:
@@ -92,24 +102,32 @@ VEHICLE_SIZE, AUTOPILOT_SIZE = sum(VEHICLE.values()), sum(AUTOPILOT.values())
 DISTURBANCE_SIZE = sum(DISTURBANCE.values())
 
 
-def allocate_craft(lanes: int, kind: type[np.floating[Any]]) -> Craft:
+def allocate_vehicle_state(lanes: int, kind: type[np.floating[Any]]) -> VehicleState:
     """Raw memory, of one kind of float; what a lane without a flight computes with is 1."""
     sizes = (17, 17, 3, 4, 4, 4, 1, VEHICLE_SIZE, AUTOPILOT_SIZE, DISTURBANCE_SIZE, 1)
-    memory = Craft(*(aligned_zeros((size, lanes), kind) for size in sizes))
+    memory = VehicleState(*(aligned_zeros((size, lanes), kind) for size in sizes))
     for array in (memory.state[3], memory.vehicle, memory.autopilot):
         array.fill(1)
     return memory
 
 
 @njit(**COMPILE)
-def fly_period(craft: Craft, steps: int) -> None:
+def fly_period(vehicle_state: VehicleState, steps: int) -> None:
     """Fly one control period of so many steps; at its beginning the older command still acts."""
     for i in range(3):
-        craft.before[i] = craft.state[i]
+        vehicle_state.before[i] = vehicle_state.state[i]
     for s in range(steps):
-        is_older = craft.older_steps[0] > s
+        is_older = vehicle_state.older_steps[0] > s
         for a in range(4):
-            craft.command[a] = select(is_older, craft.older[a], craft.acting[a])
-        step_plant(craft.state, craft.command, craft.vehicle, craft.autopilot, craft.disturbance, craft.step, craft.moved)
+            vehicle_state.command[a] = select(is_older, vehicle_state.older[a], vehicle_state.acting[a])
+        step_plant(
+            vehicle_state.state,
+            vehicle_state.command,
+            vehicle_state.vehicle,
+            vehicle_state.autopilot,
+            vehicle_state.disturbance,
+            vehicle_state.step,
+            vehicle_state.moved,
+        )
         for i in range(17):
-            craft.state[i] = craft.moved[i]
+            vehicle_state.state[i] = vehicle_state.moved[i]

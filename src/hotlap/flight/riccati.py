@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from hotlap.dynamics_layout import NODE_JACOBIAN
+from hotlap.dynamics.parameter_layout import NODE_JACOBIAN
 from hotlap.flight.program import Number, Program, Tape, dot
 
 P_SIZE, GAIN_SIZE, SCRATCH_SIZE = 45, 36, 192  # lower triangle of 9 x 9; 4 x 9
@@ -60,15 +60,15 @@ def follow_structured(c: Sequence[Number], e: Sequence[Number], changes: Sequenc
 
 
 def forward_stage(follow: Callable[..., list[Number]] = follow_structured, jacobian_size: int = NODE_JACOBIAN) -> Program:
-    """(C, K, k, e, u, deviation+, h, low, high, open, unrest) -> u, e+, deviation+, unrest.
+    """(C, K, k, e, u, deviation+, h, low, high, open, convergence) -> u, e+, deviation+, convergence.
 
-    Lanes that are not open keep their input and deviation bit for bit. `unrest` is what the sweep did so far: the largest change of
+    Lanes that are not open keep their input and deviation bit for bit. `convergence` is what the sweep did so far: the largest change of
     an input, and 1 if one of them is at a bound.
     """
     tape = Tape()
     sizes = (jacobian_size, GAIN_SIZE, 4, 9, 4, 9, 1, 4, 4, 1, 2)
-    c, gains, feed, e, u, deviation, (h,), low, high, (is_open,), (moved, bound) = (tape.array(k, size) for k, size in enumerate(sizes))
-    moves = is_open > 0.5
+    c, gains, feed, e, u, deviation, (h,), low, high, (needs_sweep,), (moved, bound) = (tape.array(k, size) for k, size in enumerate(sizes))
+    moves = needs_sweep > 0.5
     inputs, changes = [], []
     for a in range(4):
         k = gains[9 * a : 9 * a + 9]

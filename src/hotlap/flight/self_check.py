@@ -18,19 +18,19 @@ import numpy as np
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
-from hotlap.controllers import ControllerKind
-from hotlap.course import Course
-from hotlap.flight.batch import fly_batch, prepare, settings_of
+from hotlap.core.parameters import Parameters
+from hotlap.flight.fly import fly_batch, prepare, settings_of
 from hotlap.flight.judge import new_verdicts
+from hotlap.flight.kernel import fly_queue, worker
 from hotlap.flight.kernel_cache import remark_on
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.simulate import fly_queue, worker
-from hotlap.parameters import Parameters
-from hotlap.quadrotor import Quadrotor
-from hotlap.race import ControllerSettings, JudgeSettings, NoiseSettings, Race
-from hotlap.reference import PERIOD, Reference
-from hotlap.segmentation import SegmentClass, Segments
-from hotlap.track import Gate, Track
+from hotlap.race.controllers import ControllerKind
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.race import ControllerSettings, JudgeSettings, NoiseSettings, Race
+from hotlap.race.track import Gate, Track
+from hotlap.reference.reference import PERIOD, Reference
+from hotlap.reference.scenario import Scenario
+from hotlap.reference.segmentation import SegmentClass, Segments
 
 Floats = NDArray[np.float64]
 
@@ -82,16 +82,16 @@ def agrees(numbers: Numbers, kind: ControllerKind) -> bool:
 
 def check(numbers: Numbers, kind: ControllerKind) -> bool:
     """Fly both, and compare; a kernel that cannot be compiled does not fly as it should."""
-    course, flights = make_course(kind), numbers.lanes + REFILLED
-    space, rng = course.space, np.random.default_rng(0)
-    steps = SPREAD * space.log_step * rng.standard_normal((flights, len(course.segments), space.size))
+    scenario, flights = make_scenario(kind), numbers.lanes + REFILLED
+    space, rng = scenario.space, np.random.default_rng(0)
+    steps = SPREAD * space.log_step * rng.standard_normal((flights, len(scenario.segments), space.size))
     parameters, seeds = space.clip(space.default * np.exp(steps)), np.arange(flights, dtype=np.int64)
     repeated = [0, numbers.lanes, flights - 1]  # the interpreter's share
     try:
-        flown, _ = fly_batch(course, parameters, seeds, numbers=numbers, threads=1, log=repeated)
+        flown, _ = fly_batch(scenario, parameters, seeds, numbers=numbers, threads=1, log=repeated)
     except (NumbaError, NotImplementedError, RuntimeError):
         return False
-    logs, errors = fly_interpreted(course, parameters[repeated], seeds[repeated])
+    logs, errors = fly_interpreted(scenario, parameters[repeated], seeds[repeated])
     for k, i in enumerate(repeated):
         log = flown.logs[i]
         found = np.hstack([log.states, log.rotor_thrusts, log.commands])
@@ -100,18 +100,18 @@ def check(numbers: Numbers, kind: ControllerKind) -> bool:
     return np.allclose(flown.mean_error[repeated], errors, rtol=TOLERANCE, atol=TOLERANCE)
 
 
-def fly_interpreted(course: Course, parameters: Parameters, seeds: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
+def fly_interpreted(scenario: Scenario, parameters: Parameters, seeds: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
     """Fly in plain Python.
 
     Returns:
         For each flight, its log with the columns of `Job.logs`; and the mean errors.
     """
-    job, gates = prepare(course, parameters, seeds, Numbers.FLOAT64, None, range(len(seeds)))
+    job, gates = prepare(scenario, parameters, seeds, Numbers.FLOAT64, None, range(len(seeds)))
     verdicts = new_verdicts(len(seeds), len(gates.times))
     changed = {"worker": lambda numbers, kind: interpreted(worker(numbers, kind))}
     fly = FunctionType(fly_queue.__code__, {**fly_queue.__globals__, **changed})
     with np.errstate(over="ignore"):  # hashes overflow
-        fly(Numbers.FLOAT64, course.race.controller.kind, job, settings_of(course.race), gates, verdicts)
+        fly(Numbers.FLOAT64, scenario.race.controller.kind, job, settings_of(scenario.race), gates, verdicts)
     return [log[: ticks + 1] for log, ticks in zip(job.logs, verdicts.ticks, strict=True)], verdicts.mean_error
 
 
@@ -137,7 +137,7 @@ def interpreted(function: Any, known: dict[Any, Callable[..., Any]] | None = Non
     return known[function]
 
 
-def make_course(kind: ControllerKind) -> Course:
+def make_scenario(kind: ControllerKind) -> Scenario:
     """Hovering, at a place that jumps away after half the time."""
     rows, half, end = STEPS + 40, PERIOD * STEPS / 2, PERIOD * STEPS
     position, zeros = np.zeros((rows, 3)), np.zeros((rows, 3))
@@ -147,4 +147,4 @@ def make_course(kind: ControllerKind) -> Course:
     track = Track(name="self-check", start=(0.0, 0.0, 0.0), gates=(Gate(position=(0.2, 0.1, 0.1)), Gate(position=JUMP)))
     settings, judge = ControllerSettings(kind=kind, nodes=NODES, horizon_unit=HORIZON_UNIT), JudgeSettings(fly_on=True)
     race = Race(name="self-check", track=track, vehicle=DRONE, controller=settings, noise=NOISE, judge=judge)
-    return Course(race, reference, Segments(np.array([0.0, half / 2]), (SegmentClass.FLAT, SegmentClass.FLAT), end))
+    return Scenario(race, reference, Segments(np.array([0.0, half / 2]), (SegmentClass.FLAT, SegmentClass.FLAT), end))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution, distribution_to_json
 
-from hotlap.parameters import ParameterSpace
+from hotlap.core.parameters import ParameterSpace
 
 Floats = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from optuna.trial import FrozenTrial, TrialState
 
 from hotlap import tuners
+from hotlap.core.records import Scores
 from hotlap.optuna.box import Box
-from hotlap.records import Scores
 
 Floats = NDArray[np.float64]
 

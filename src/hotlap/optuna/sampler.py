@@ -18,9 +18,9 @@ from optuna.study import Study, StudyDirection
 from optuna.trial import FrozenTrial, TrialState
 
 from hotlap import tuners
+from hotlap.core.records import Scores
 from hotlap.optuna.box import Box
 from hotlap.optuna.run import KEY, Note, Origin, Run, cost_of
-from hotlap.records import Scores
 
 DEFAULT = "guided_walk"  # a function has no gates
 SEED = "hotlap:seed"  # of a study, in its storage
@@ -35,7 +35,7 @@ class HotlapSampler(BaseSampler):
     no number, and what is not in every trial, is drawn at random throughout. A trial that fails or is pruned counts as worse than any.
 
     All that it knows is in the study's storage: another process goes on as this one would have, and several may work at once.
-    With trials in parallel, guided_walk and gatewise learn from all of them, and take those under way to be average. The other tuners
+    With trials in parallel, guided_walk and gate_gp learn from all of them, and take those under way to be average. The other tuners
     depend on the order in which they are told: trials that run at the same time belong to one ask of up to `batch` points, and where
     all of these are under way, to another run of the tuner, which begins at the best trial of that time.
 

@@ -14,8 +14,8 @@ import time
 
 from hotlap.planning import cache as plan_cache
 from hotlap.planning.problem import Problem
-from hotlap.race import Race
-from hotlap.reference import Reference
+from hotlap.race.race import Race
+from hotlap.reference.reference import Reference
 
 __all__ = ["plan"]
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from hotlap.cache import digest_sources, folder
 from hotlap.planning.problem import Problem
-from hotlap.reference import Reference
+from hotlap.reference.reference import Reference
+from hotlap.system.disk_cache import digest_sources, folder
 
 ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
 SCALARS = ("duration", "cpu_time", "period")
@@ -28,7 +28,7 @@ def key(problem: Problem) -> str:
     description = {field.name: getattr(problem, field.name) for field in dataclasses.fields(problem) if field.name != "track"}
     description["quadrotor"] = problem.quadrotor.model_dump(mode="json", include=OF_QUADROTOR)
     description["ramp"] = problem.ramp and problem.ramp.model_dump(mode="json")
-    code = digest_sources("hotlap.planning", "hotlap.dynamics", "hotlap.dynamics_layout", "hotlap.quadrotor", "hotlap.reference")
+    code = digest_sources("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
     versions = [code, version("casadi"), version("numpy"), platform.machine()]
     text = json.dumps([description, versions], sort_keys=True, default=np.ndarray.tolist)
     return hashlib.sha256(text.encode()).hexdigest()[:32]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hotlap.errors import PlanningError
+from hotlap.core.errors import PlanningError
 from hotlap.planning.diagnosis import describe, refuse_coarse, refuse_impossible
 from hotlap.planning.ipopt import Solution
 from hotlap.planning.minimum_time import plan_quadrotor

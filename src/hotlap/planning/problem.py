@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.errors import PlanningError
-from hotlap.quadrotor import Quadrotor
-from hotlap.race import Race, Ramp
+from hotlap.core.errors import PlanningError
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.race import Race, Ramp
 
 Floats = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class Problem:
         Raises:
             PlanningError: the plan may not use enough thrust to hover.
         """
-        track, settings, ratio = race.track, race.planning, race.planned.thrust_to_weight
+        track, settings, ratio = race.track, race.planning, race.planning_model.thrust_to_weight
         if ratio <= 1:
             hint = "raise planning.thrust_share" if settings.quadrotor is None else "give planning.quadrotor stronger rotors"
             raise PlanningError(track.name, None, f"the plan may use a thrust-to-weight of {ratio:.2f} and cannot hover; {hint}")
@@ -67,8 +67,8 @@ class Problem:
             tolerance=settings.tolerance,
             floor=-np.inf if floor is None else floor,
             intervals=settings.nodes,
-            quadrotor=race.planned,
-            drag=race.planned_drag,
+            quadrotor=race.planning_model,
+            drag=race.planning_drag,
             ramp=settings.ramp,
         )
 

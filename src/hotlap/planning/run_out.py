@@ -12,7 +12,7 @@ import numpy as np
 
 from hotlap.planning.attitude import follow_axes, thrust_axis, turn_rates
 from hotlap.planning.problem import Floats
-from hotlap.reference import Reference
+from hotlap.reference.reference import Reference
 
 RUN_OUT = 9.0  # s: longer than the longest horizon
 BLEND = 0.6  # s, from the last acceleration to slowing down

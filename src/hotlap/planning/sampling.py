@@ -9,7 +9,7 @@ from hotlap.planning.attitude import continuous
 from hotlap.planning.minimum_time import RATES, model_parameters
 from hotlap.planning.problem import Floats, Problem, Trajectory
 from hotlap.planning.stage import ATTITUDE, quadrotor_stage
-from hotlap.reference import Reference, row_times
+from hotlap.reference.reference import Reference, row_times
 
 
 def sample(problem: Problem, plan: Trajectory, cpu_time: float) -> Reference:

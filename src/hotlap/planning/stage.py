@@ -9,8 +9,8 @@ from typing import Any
 
 import casadi as ca
 
-from hotlap.dynamics import planning_model, point_mass
-from hotlap.dynamics_layout import PLANNING_PARAMETERS
+from hotlap.dynamics.models import planning_model, point_mass
+from hotlap.dynamics.parameter_layout import PLANNING_PARAMETERS
 
 ATTITUDE = slice(6, 10)  # of the full state
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.course import Course
-from hotlap.parameters import Parameters
+from hotlap.core.parameters import Parameters
+from hotlap.reference.scenario import Scenario
 from hotlap.report.scene import Scene, repeat, stage, trace
 from hotlap.worlds.world import World
 
@@ -17,7 +17,7 @@ BEST, FIRST, DEFAULT = "best", "first guess", "default"
 
 
 @dataclass(frozen=True)
-class Shown:
+class ParameterSet:
     """What is flown.
 
     Attributes:
@@ -29,33 +29,33 @@ class Shown:
     parameters: Parameters
 
 
-def choose(course: Course, first: Parameters, best: Parameters) -> tuple[Shown, ...]:
+def choose(scenario: Scenario, first: Parameters, best: Parameters) -> tuple[ParameterSet, ...]:
     """The best parameters, the first guess and the controller's default, as far as they differ; the best come first.
 
     Args:
-        course: what they belong to.
+        scenario: what they belong to.
         first: shape (S, K).
         best: shape (S, K).
     """
-    shown = [Shown(BEST, best)]
-    for label, values in ((FIRST, first), (DEFAULT, course.space.first_guess(len(course.segments)))):
-        if not any(np.array_equal(values, known.parameters) for known in shown):
-            shown.append(Shown(label, values))
-    return tuple(shown)
+    sets = [ParameterSet(BEST, best)]
+    for label, values in ((FIRST, first), (DEFAULT, scenario.space.first_guess(len(scenario.segments)))):
+        if not any(np.array_equal(values, known.parameters) for known in sets):
+            sets.append(ParameterSet(label, values))
+    return tuple(sets)
 
 
-def demonstrate(course: Course, world: World, shown: Sequence[Shown], seeds: NDArray[np.int64]) -> Scene:
+def demonstrate(scenario: Scenario, world: World, sets: Sequence[ParameterSet], seeds: NDArray[np.int64]) -> Scene:
     """Fly each of some parameters through the same noise, and record one flight of each.
 
     Args:
-        course: what is flown.
+        scenario: what is flown.
         world: where.
-        shown: at least one, the one that matters most first.
+        sets: at least one, the one that matters most first.
         seeds: shape (N,).
     """
     count = len(seeds)
-    parameters = np.concatenate([np.repeat(one.parameters[None], count, axis=0) for one in shown])
-    flown = world.fly(course, parameters, np.tile(seeds, len(shown)), log=[i * count for i in range(len(shown))])
-    traces = tuple(trace(course, flown, i * count, one.label) for i, one in enumerate(shown))
-    repeats = tuple(repeat(flown, slice(i * count, (i + 1) * count), one.label) for i, one in enumerate(shown))
-    return stage(course, traces, repeats)
+    parameters = np.concatenate([np.repeat(one.parameters[None], count, axis=0) for one in sets])
+    flown = world.fly(scenario, parameters, np.tile(seeds, len(sets)), log=[i * count for i in range(len(sets))])
+    traces = tuple(trace(scenario, flown, i * count, one.label) for i, one in enumerate(sets))
+    repeats = tuple(repeat(flown, slice(i * count, (i + 1) * count), one.label) for i, one in enumerate(sets))
+    return stage(scenario, traces, repeats)

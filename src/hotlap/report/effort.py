@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.course import Course
-from hotlap.race import ControllerSettings
+from hotlap.race.race import ControllerSettings
+from hotlap.reference.scenario import Scenario
 from hotlap.report.scene import Trace
 
 Floats = NDArray[np.float64]
@@ -36,9 +36,9 @@ class Effort:
     share: float
 
 
-def effort_of(trace: Trace, course: Course) -> tuple[Effort, Effort]:
+def effort_of(trace: Trace, scenario: Scenario) -> tuple[Effort, Effort]:
     """Effort of a flight's commands, and of the inputs of the reference over the same time."""
-    reference, settings = course.reference, course.race.controller
+    reference, settings = scenario.reference, scenario.race.controller
     flown = reference.times <= trace.times.max(initial=0.0)
     inputs = np.column_stack([reference.thrust, reference.rates])[flown]
     return measure(trace.commands, settings.period, settings), measure(inputs, reference.period, settings)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.goal import Goal, Quantity
-from hotlap.ledger import Ledger
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.seeds import Stream
-from hotlap.segmentation import Segments
+from hotlap.core.ledger import Ledger
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.seeds import Stream
+from hotlap.reference.segmentation import Segments
+from hotlap.tuning.goal import Goal, Quantity
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]

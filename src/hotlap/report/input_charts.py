@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from hotlap.course import Course
+from hotlap.reference.scenario import Scenario
 from hotlap.report.scene import Scene, Trace
 from hotlap.report.style import BEST, FIRST, GHOST_DASHES, INK, QUIET, SMALL, headline, place_axes, styled
 from hotlap.report.time_charts import draw_bands, draw_gate_times
@@ -40,14 +40,14 @@ class Row:
 
 
 @styled
-def inputs(scene: Scene, course: Course) -> Figure:
+def inputs(scene: Scene, scenario: Scenario) -> Figure:
     """Thrust, rates and rotors of the first flight of a scene, with the reference's and the limits.
 
     Args:
         scene: with at least one flight.
-        course: whose limits hold.
+        scenario: whose limits hold.
     """
-    flight, rows = scene.traces[0], _rows(scene, course)
+    flight, rows = scene.traces[0], _rows(scene, scenario)
     figure = Figure(figsize=(LEFT + WIDTH + RIGHT, BOTTOM + len(rows) * (HEIGHT + BETWEEN) - BETWEEN + TOP))
     for i, row in enumerate(rows):
         axes = place_axes(figure, LEFT, BOTTOM + (len(rows) - 1 - i) * (HEIGHT + BETWEEN), WIDTH, HEIGHT)
@@ -65,15 +65,15 @@ def inputs(scene: Scene, course: Course) -> Figure:
     return figure
 
 
-def _rows(scene: Scene, course: Course) -> list[Row]:
+def _rows(scene: Scene, scenario: Scenario) -> list[Row]:
     """Collective thrust, three rates, rotors."""
-    flight, reference, settings = scene.traces[0], scene.reference, course.race.controller
+    flight, reference, settings = scene.traces[0], scene.reference, scenario.race.controller
     planned = slice(0, reference.planned_rows)
     rows = [Row("thrust\n[m/s²]", settings.thrust, flight.commands[:, :1], reference.thrust[planned])]
     for j, name in enumerate(("roll", "pitch", "yaw")):
         limit = settings.rates[j]
         rows.append(Row(f"{name} rate\n[rad/s]", (-limit, limit), flight.commands[:, j + 1 : j + 2], reference.rates[planned, j]))
-    return [*rows, Row("rotors\n[N]", course.race.vehicle.rotor_thrust, flight.rotor_thrusts, None)]
+    return [*rows, Row("rotors\n[N]", scenario.race.vehicle.rotor_thrust, flight.rotor_thrusts, None)]
 
 
 def _draw(axes: Axes, row: Row, flight: Trace, scene: Scene) -> None:

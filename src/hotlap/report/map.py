@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.reference import Reference
+from hotlap.race.track import Track
+from hotlap.reference.reference import Reference
+from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.report.labels import group, number
-from hotlap.segmentation import SegmentClass, Segments
-from hotlap.track import Track
 
 Floats = NDArray[np.float64]
 

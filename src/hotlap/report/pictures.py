@@ -8,16 +8,16 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from hotlap.analysis.sensitivity import survey_sensitivity
-from hotlap.course import Course
-from hotlap.errors import InputError
+from hotlap.core.errors import InputError
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.reference.scenario import Scenario
 from hotlap.report.demonstration import choose, demonstrate
 from hotlap.report.figures import convergence, inputs, samples, sensitivity, track, tracking_error, tuned_parameters
 from hotlap.report.history import Change, collect, compare, recount
-from hotlap.report.page.standing import Standing, read_standing
 from hotlap.report.scene import Scene, stage
 from hotlap.report.style import own_settings
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.study import Study
+from hotlap.study.snapshot import Snapshot, read_snapshot
+from hotlap.study.study import Study
 from hotlap.worlds.world import World
 
 FORMATS = ("png", "pdf", "svg")
@@ -43,8 +43,8 @@ def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tu
     Raises:
         InputError: when one cannot be written.
     """
-    standing = read_standing(study)
-    return _save_all(folder, _plain(standing, _fly(standing, world, flights)), FORMATS[0])
+    snapshot = read_snapshot(study)
+    return _save_all(folder, _plain(snapshot, _fly(snapshot, world, flights)), FORMATS[0])
 
 
 def draw_everything(folder: Path, study: Study, world: World, kind: str, flights: int = FLIGHTS) -> tuple[Path, ...]:
@@ -63,56 +63,56 @@ def draw_everything(folder: Path, study: Study, world: World, kind: str, flights
     Raises:
         InputError: when one cannot be written.
     """
-    standing = read_standing(study)
-    asked, best, scene = standing.configuration, standing.best, _fly(standing, world, flights)
-    found = survey_sensitivity(asked.course, world, best, asked.settings.seed)
-    looked = collect(standing.ledger, asked.settings.goal)
+    snapshot = read_snapshot(study)
+    asked, best, scene = snapshot.configuration, snapshot.best, _fly(snapshot, world, flights)
+    found = survey_sensitivity(asked.scenario, world, best, asked.settings.seed)
+    looked = collect(snapshot.ledger, asked.settings.goal)
     figures = {
-        **_plain(standing, scene),
-        "inputs": inputs(scene, asked.course),
-        "sensitivity": sensitivity(found, _change(standing), f"{scene.race}: which parameters matter"),
-        "samples": samples(looked, asked.course.space, best, f"{scene.race}: where the search has looked"),
+        **_plain(snapshot, scene),
+        "inputs": inputs(scene, asked.scenario),
+        "sensitivity": sensitivity(found, _change(snapshot), f"{scene.race}: which parameters matter"),
+        "samples": samples(looked, asked.scenario.space, best, f"{scene.race}: where the search has looked"),
     }
     return _save_all(folder, figures, kind)
 
 
-def _fly(standing: Standing, world: World, flights: int) -> Scene:
+def _fly(snapshot: Snapshot, world: World, flights: int) -> Scene:
     """What the pictures show."""
-    asked = standing.configuration
-    shown = choose(asked.course, asked.first_guess, standing.best)[:SETS]
-    return demonstrate(asked.course, world, shown, flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, flights))
+    asked = snapshot.configuration
+    shown = choose(asked.scenario, asked.first_guess, snapshot.best)[:SETS]
+    return demonstrate(asked.scenario, world, shown, flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, flights))
 
 
-def _plain(standing: Standing, scene: Scene) -> dict[str, Figure]:
+def _plain(snapshot: Snapshot, scene: Scene) -> dict[str, Figure]:
     """The four of every study."""
-    asked = standing.configuration
-    history = recount(standing.ledger, asked.settings.goal, asked.cost_name)
+    asked = snapshot.configuration
+    history = recount(snapshot.ledger, asked.settings.goal, asked.cost_name)
     return {
         "track": track(scene),
-        "convergence": convergence(history, f"{scene.race}: {asked.tuner}", _verdict(standing)),
+        "convergence": convergence(history, f"{scene.race}: {asked.tuner}", _verdict(snapshot)),
         "error": tracking_error(scene),
-        "parameters": tuned_parameters(_change(standing), f"{scene.race}: what was tuned"),
+        "parameters": tuned_parameters(_change(snapshot), f"{scene.race}: what was tuned"),
     }
 
 
-def _change(standing: Standing) -> Change:
+def _change(snapshot: Snapshot) -> Change:
     """What was tuned."""
-    course, first = standing.configuration.course, standing.configuration.first_guess
-    return compare(course.space, course.segments, first, standing.best, course.race.controller.horizon_unit)
+    scenario, first = snapshot.configuration.scenario, snapshot.configuration.first_guess
+    return compare(scenario.space, scenario.segments, first, snapshot.best, scenario.race.controller.horizon_unit)
 
 
 def _save_all(folder: Path, figures: Mapping[str, Figure], kind: str) -> tuple[Path, ...]:
     return tuple(save(folder / f"{name}.{kind}", figure) for name, figure in figures.items())
 
 
-def draw_plan(path: Path, course: Course) -> None:
+def draw_plan(path: Path, scenario: Scenario) -> None:
     """Draw a plan; the suffix of the file decides the format.
 
     Raises:
         InputError: for another suffix than those in `FORMATS`, or when the file cannot be written.
     """
     check_format(path)
-    save(path, track(stage(course)))
+    save(path, track(stage(scenario)))
 
 
 def check_format(path: Path) -> str:
@@ -145,9 +145,9 @@ def save(path: Path, figure: Figure) -> Path:
     return path
 
 
-def _verdict(standing: Standing) -> str:
+def _verdict(snapshot: Snapshot) -> str:
     """How a study stands, in one line."""
-    result = standing.result
+    result = snapshot.result
     if result is None:
         return "no flights yet"
     parts = [f"goal {result.goal}", f"{result.search_flights} search flights, {result.flights} with re-flights"]

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
-from hotlap.parameters import ParameterSpace
+from hotlap.core.parameters import ParameterSpace
 from hotlap.report.history import Samples
 from hotlap.report.style import BEST, FACE, FAINT, FIRST, INK, SMALL, headline, place_axes, styled
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.course import Course
-from hotlap.race import Rule
-from hotlap.records import End, Flights
-from hotlap.reference import Reference
-from hotlap.scoring import score
-from hotlap.segmentation import Segments
+from hotlap.core.records import End, Flights
+from hotlap.race.race import GateRule
+from hotlap.reference.reference import Reference
+from hotlap.reference.scenario import Scenario
+from hotlap.reference.segmentation import Segments
+from hotlap.tuning.scoring import score
 
 Floats = NDArray[np.float64]
 
@@ -95,7 +95,7 @@ class Repeats:
 
 @dataclass(frozen=True)
 class Scene:
-    """A course, and flights along it.
+    """A scenario, and flights along it.
 
     Attributes:
         race: its name.
@@ -121,26 +121,26 @@ class Scene:
         return self.reference.position[: self.reference.planned_rows]
 
 
-def stage(course: Course, traces: tuple[Trace, ...] = (), repeats: tuple[Repeats, ...] = ()) -> Scene:
-    """The scene of a course."""
-    race = course.race
-    return Scene(race.name, course.reference, course.segments, race.track.gate_positions, race.judge.distance, traces, repeats)
+def stage(scenario: Scenario, traces: tuple[Trace, ...] = (), repeats: tuple[Repeats, ...] = ()) -> Scene:
+    """The scene of a scenario."""
+    race = scenario.race
+    return Scene(race.name, scenario.reference, scenario.segments, race.track.gate_positions, race.judge.distance, traces, repeats)
 
 
-def trace(course: Course, flights: Flights, index: int, label: str) -> Trace:
+def trace(scenario: Scenario, flights: Flights, index: int, label: str) -> Trace:
     """One flight out of a batch.
 
     Args:
-        course: what was flown.
+        scenario: what was flown.
         flights: the batch, with a log of this flight.
         index: of the flight in the batch.
         label: what it shows.
     """
     log, end, end_time = flights.logs[index], End(int(flights.end[index])), float(flights.end_time[index])
-    last = course.reference.duration if end is End.FINISHED else end_time
+    last = scenario.reference.duration if end is End.FINISHED else end_time
     rows = (log.times <= last + 1e-9) & np.isfinite(log.states[:, :10]).all(axis=1)
     times, states = log.times[rows], log.states[rows]
-    clocked = flights.clock_distance[index] if course.race.judge.rule is Rule.CLOCK else None
+    clocked = flights.clock_distance[index] if scenario.race.judge.rule is GateRule.CLOCK else None
     return Trace(
         label=label,
         seed=int(flights.seeds[index]),
@@ -148,7 +148,7 @@ def trace(course: Course, flights: Flights, index: int, label: str) -> Trace:
         position=states[:, :3],
         attitude=states[:, 3:7],
         speed=np.linalg.norm(states[:, 7:10], axis=1),
-        error=np.linalg.norm(states[:, :3] - course.reference.position_at(times), axis=1),
+        error=np.linalg.norm(states[:, :3] - scenario.reference.position_at(times), axis=1),
         rates=states[:, 10:13],
         rotor_thrusts=log.rotor_thrusts[rows],
         commands=log.commands[rows],
@@ -158,7 +158,7 @@ def trace(course: Course, flights: Flights, index: int, label: str) -> Trace:
         gates_passed=int(flights.gates_passed[index]),
         lap_time=float(flights.lap_time[index]),
         seen_times=flights.closest_time[index] if clocked is None else np.where(np.isnan(clocked), np.nan, flights.gate_times),
-        gate_distance=score(flights, course.race.judge).gate_distance[index],
+        gate_distance=score(flights, scenario.race.judge).gate_distance[index],
     )
 
 

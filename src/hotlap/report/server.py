@@ -15,7 +15,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Protocol
 from urllib.parse import parse_qs, urlsplit
 
-from hotlap.errors import HotlapError, InputError
+from hotlap.core.errors import HotlapError, InputError
 
 LOCAL = ("localhost", "127.0.0.1", "[::1]")
 PATIENCE = 20.0  # s for a browser to say what it wants

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.textpath import TextPath
 
-from hotlap.segmentation import SegmentClass
+from hotlap.reference.segmentation import SegmentClass
 
 P = ParamSpec("P")
 

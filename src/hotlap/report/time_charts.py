@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from hotlap.reference.segmentation import Segments
 from hotlap.report.scene import Scene, Trace
 from hotlap.report.style import BEST, CLASS_COLOURS, FACE, FAILURE, FIRST, INK, QUIET, SMALL, headline, place_axes, styled, text_width
-from hotlap.segmentation import Segments
 
 Floats = NDArray[np.float64]
 

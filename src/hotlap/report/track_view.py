@@ -9,6 +9,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from hotlap.core.success_rate import wilson_interval
 from hotlap.report.labels import Placer
 from hotlap.report.scene import Floats, Scene
 from hotlap.report.style import FAILURE, FIRST, INK, QUIET, SMALL, SPEED_MAP, headline, headline_width, place_axes, styled
@@ -23,7 +24,6 @@ from hotlap.report.views import (
     from_above_and_aside,
     write_gates,
 )
-from hotlap.validation import wilson_interval
 
 LEFT, RIGHT, TOP, BOTTOM, BETWEEN = 0.62, 0.85, 0.92, 0.5, 0.3  # inches around the drawings
 KEY = 0.2  # inches of the line that a plan does not have

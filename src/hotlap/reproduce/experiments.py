@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from hotlap.reproduce.context import Context
+from hotlap.analysis.resumable import Context
 from hotlap.reproduce.experts import experts
 from hotlap.reproduce.initialisations import initialisations
 from hotlap.reproduce.landscapes import landscape

@@ -10,25 +10,25 @@ from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
-from hotlap.files import load_race
+from hotlap.analysis.resumable import Context
+from hotlap.files.descriptions import load_race
 from hotlap.first_guess.guess import first_guess
 from hotlap.first_guess.training_set import shipped
-from hotlap.goal import Goal, Quantity
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.reproduce.context import Context
+from hotlap.planning.preparation import prepare
 from hotlap.reproduce.page import Page
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.tuning.goal import Goal, Quantity
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 
 Floats = NDArray[np.float64]
 
 FLIGHTS = len(AUTOTUNE_CURVE)
 RUNS = {
     "the paper's sampler, default weights": ("metropolis_hastings:paper", "default"),
-    "hotlap, default weights": ("gatewise", "default"),
+    "hotlap, default weights": ("gate_gp", "default"),
     "the paper's sampler, the paper's first guess": ("metropolis_hastings:paper", "paper"),
-    "hotlap, learned first guess": ("gatewise", "learned"),
+    "hotlap, learned first guess": ("gate_gp", "learned"),
 }
 
 
@@ -45,15 +45,15 @@ class Watched:
 
 def watch(wanted: Watched) -> Iterator[list[list[float]]]:
     """Completion of each flight, run by run."""
-    course = course_for(prepare(load_race(wanted.race)), tuners.build(wanted.tuner))
+    scenario = scenario_for(prepare(load_race(wanted.race)), tuners.build(wanted.tuner))
     settings = TuningSettings(goal=Goal(Quantity.NONE, 0.0), budget=FLIGHTS, batch=1, validation=0)
-    guess = first_guess(course, wanted.guess)
+    guess = first_guess(scenario, wanted.guess)
     runs = [
-        Tuning(tuners.build(wanted.tuner), course, TuningSettings(**{**vars(settings), "seed": seed}), guess)
+        Tuning(tuners.build(wanted.tuner), scenario, TuningSettings(**{**vars(settings), "seed": seed}), guess)
         for seed in range(wanted.seeds)
     ]
     flown: list[list[float]] = [[] for _ in runs]
-    for i, batch in tune_together(Objective(course, built_in_world()), runs):
+    for i, batch in tune_together(Objective(scenario, built_in_world()), runs):
         flown[i] += batch.ledger.completion.tolist()
     yield flown
 

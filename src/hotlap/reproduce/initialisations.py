@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
-from hotlap.course import Course
-from hotlap.files import load_race
-from hotlap.goal import Goal, Quantity
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.reproduce.context import Context
+from hotlap.analysis.resumable import Context
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.success_rate import wilson_interval
+from hotlap.files.descriptions import load_race
+from hotlap.planning.preparation import prepare
+from hotlap.reference.scenario import Scenario
 from hotlap.reproduce.page import Page, percent
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
-from hotlap.validation import wilson_interval
+from hotlap.tuning.goal import Goal, Quantity
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 
 Floats = NDArray[np.float64]
 
@@ -60,10 +60,10 @@ class Line:
 
 def search(wanted: Starts) -> Iterator[list[dict[str, Any]]]:
     """Of each run: search flights to a confirmed controller, what it is, and the samples on the way; all runs fly in one batch."""
-    course = course_for(prepare(load_race(wanted.race)), tuners.build(wanted.tuner))
-    runs = [_begin(wanted, course, seed) for seed in range(wanted.seeds)]
+    scenario = scenario_for(prepare(load_race(wanted.race)), tuners.build(wanted.tuner))
+    runs = [_begin(wanted, scenario, seed) for seed in range(wanted.seeds)]
     traces: list[list[NDArray[np.float64]]] = [[] for _ in runs]
-    for i, batch in tune_together(Objective(course, built_in_world()), runs):
+    for i, batch in tune_together(Objective(scenario, built_in_world()), runs):
         flown = batch.ledger.of(Stream.SEARCH)
         for accepted, parameters in zip(flown.accepted, flown.parameters, strict=True):
             moved = accepted or not traces[i]
@@ -71,13 +71,13 @@ def search(wanted: Starts) -> Iterator[list[dict[str, Any]]]:
     yield [_end(run, trace) for run, trace in zip(runs, traces, strict=True)]
 
 
-def _begin(wanted: Starts, course: Course, seed: int) -> Tuning:
+def _begin(wanted: Starts, scenario: Scenario, seed: int) -> Tuning:
     """A run at its random start."""
-    space = course.space
+    space = scenario.space
     start = space.from_unit(np.random.default_rng([seed, 0x73746172]).random(space.size))
     goal = Goal(Quantity.NONE, 0.0) if wanted.keep else Goal()
     settings = TuningSettings(goal=goal, budget=wanted.budget, seed=seed, confirm=10, validation=0, reliability=0.0, batch=1)
-    return Tuning(tuners.build(wanted.tuner), course, settings, np.tile(start, (len(course.segments), 1)))
+    return Tuning(tuners.build(wanted.tuner), scenario, settings, np.tile(start, (len(scenario.segments), 1)))
 
 
 def _end(run: Tuning, trace: Sequence[NDArray[np.float64]]) -> dict[str, Any]:
@@ -90,12 +90,12 @@ def _end(run: Tuning, trace: Sequence[NDArray[np.float64]]) -> dict[str, Any]:
 
 def walk(wanted: Line) -> Iterator[list[float]]:
     """Mean completion at places along the line."""
-    course = prepare(load_race(wanted.race))
+    scenario = prepare(load_race(wanted.race))
     share = np.linspace(0, 1, PLACES)[:, None, None]
     values = np.exp((1 - share) * np.log(wanted.one) + share * np.log(wanted.other))
     each = np.repeat(values, FLIGHTS, axis=0)
     seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, FLIGHTS), PLACES)
-    completion = Objective(course, built_in_world()).fly(each, seeds).completion
+    completion = Objective(scenario, built_in_world()).fly(each, seeds).completion
     yield completion.reshape(PLACES, FLIGHTS).mean(axis=1).tolist()
 
 

@@ -10,14 +10,14 @@ import numpy as np
 
 from hotlap.analysis.landscape import Landscape, axes, draw_survey
 from hotlap.analysis.learning import built_in_world
-from hotlap.files import load_race
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.reproduce.context import Context
+from hotlap.analysis.resumable import Context
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.success_rate import wilson_interval
+from hotlap.files.descriptions import load_race
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
 from hotlap.reproduce.page import Page, percent
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.validation import wilson_interval
+from hotlap.tuning.objective import Objective
 
 MAPPED: Mapping[str, tuple[float, float]] = {"circle-34": (12.0, 34.0), "qualifier-20": (12.0, 20.0)}  # m/s, slow and fast
 SPEEDS: Mapping[str, tuple[float, ...]] = {
@@ -40,11 +40,11 @@ class Scatter:
 
 def scatter(wanted: Scatter) -> Iterator[dict[str, float]]:
     """Largest and mean speed [m/s] of the plan, share of flights that pass every gate, mean completion."""
-    course = prepare(wanted.race)
-    unit = np.random.default_rng(0).random((wanted.samples, 1, course.space.size))
-    values = course.space.from_unit(unit).repeat(len(course.segments), axis=1)
+    scenario = prepare(wanted.race)
+    unit = np.random.default_rng(0).random((wanted.samples, 1, scenario.space.size))
+    values = scenario.space.from_unit(unit).repeat(len(scenario.segments), axis=1)
     seeds = flight_seeds(0, Stream.DEMONSTRATION, 0, wanted.samples)
-    completion, reference = Objective(course, built_in_world()).fly(values, seeds).completion, course.reference
+    completion, reference = Objective(scenario, built_in_world()).fly(values, seeds).completion, scenario.reference
     shares = {"complete": float((completion == 1).mean()), "completion": float(completion.mean())}
     yield {"top": reference.max_speed, "mean": reference.mean_speed, **shares}
 
@@ -81,10 +81,10 @@ def _map(context: Context, page: Page, name: str, asked: Landscape) -> None:
     grids = [np.array(grid) for grid in context.each("maps", maps, draw_survey).values()]
     whole = [percent(float((grid == 1).mean())) for grid in grids]
     titles = [f"{name}, v_max {v_max:g} m/s: {share} % of the map complete" for v_max, share in zip(MAPPED[name], whole, strict=True)]
-    course = prepare(asked.race)
-    default = dict(zip(course.space.names, course.space.default.tolist(), strict=True))
+    scenario = prepare(asked.race)
+    default = dict(zip(scenario.space.names, scenario.space.default.tolist(), strict=True))
     path = context.folder / f"{name}-{asked.x}-{asked.y}.png"
-    draw_maps(path, axes(course, asked), (asked.x, asked.y), grids, titles, (default[asked.x], default[asked.y]))
+    draw_maps(path, axes(scenario, asked), (asked.x, asked.y), grids, titles, (default[asked.x], default[asked.y]))
     page.picture(path, f"completion over {asked.x} and {asked.y}")
 
 

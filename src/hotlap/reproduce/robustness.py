@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
-from hotlap.files import load_race
-from hotlap.objective import Objective
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.reproduce.context import Context
+from hotlap.analysis.resumable import Context
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.files.descriptions import load_race
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
 from hotlap.reproduce.page import Page, percent
 from hotlap.reproduce.published import RACES
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.tuning import Tuning, TuningSettings, course_for, tune_together
+from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.objective import Objective
 
 TUNER = "guided_walk:tied"  # one set for all segments, so that it can be flown on any layout
 FLIGHTS = 50
@@ -45,20 +45,20 @@ class Carried:
 
 def tune(wanted: Tuned) -> Iterator[list[list[float]]]:
     """The best parameters of each run, confirmed or not, K each."""
-    course = course_for(prepare(wanted.race), tuners.build(TUNER))
+    scenario = scenario_for(prepare(wanted.race), tuners.build(TUNER))
     shared: dict[str, Any] = {"budget": wanted.budget, "confirm": 10, "validation": 0, "reliability": 0.0, "randomise": wanted.randomise}
-    runs = [Tuning(tuners.build(TUNER), course, TuningSettings(seed=seed, **shared)) for seed in range(wanted.seeds)]
-    for _ in tune_together(Objective(course, built_in_world(), randomise=wanted.randomise), runs):
+    runs = [Tuning(tuners.build(TUNER), scenario, TuningSettings(seed=seed, **shared)) for seed in range(wanted.seeds)]
+    for _ in tune_together(Objective(scenario, built_in_world(), randomise=wanted.randomise), runs):
         pass
     yield [run.best.parameters[0].tolist() for run in runs if run.best is not None]
 
 
 def carry(wanted: Carried) -> Iterator[float]:
     """Mean completion over all parameters."""
-    course = prepare(wanted.race)
-    each = np.repeat(np.array(wanted.parameters)[:, None], len(course.segments), axis=1)
+    scenario = prepare(wanted.race)
+    each = np.repeat(np.array(wanted.parameters)[:, None], len(scenario.segments), axis=1)
     seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, FLIGHTS), len(each))
-    yield float(Objective(course, built_in_world()).fly(np.repeat(each, FLIGHTS, axis=0), seeds).completion.mean())
+    yield float(Objective(scenario, built_in_world()).fly(np.repeat(each, FLIGHTS, axis=0), seeds).completion.mean())
 
 
 def _heavier(race: Race, factor: float) -> Race:
@@ -67,13 +67,15 @@ def _heavier(race: Race, factor: float) -> Race:
 
 
 def _flown_by(race: Race, **changes: Any) -> Race:
-    """The same race with another truth; controller and plan do not know."""
-    return race.model_copy(update={"vehicle": race.vehicle.model_copy(update=changes), "model": race.believed, "planning": _planned(race)})
+    """The same race with another vehicle; controller and plan do not know."""
+    return race.model_copy(
+        update={"vehicle": race.vehicle.model_copy(update=changes), "model": race.control_model, "planning": _planned(race)}
+    )
 
 
 def _planned(race: Race) -> Any:
     """The plan's settings with its quadrotor written out."""
-    return race.planning.model_copy(update={"quadrotor": race.planned})
+    return race.planning.model_copy(update={"quadrotor": race.planning_model})
 
 
 def _faster(race: Race, v_max: float) -> Race:

@@ -10,19 +10,19 @@ import numpy as np
 
 from hotlap.analysis.comparison import Cell, Run
 from hotlap.analysis.comparison_table import summarise
-from hotlap.analysis.fastest import RELIABLE, Knobs, fastest, judge_plan, try_plan
+from hotlap.analysis.fastest import RELIABLE, PlanSettings, fastest, judge_plan, try_plan
 from hotlap.analysis.learning import built_in_world
+from hotlap.analysis.resumable import Context
 from hotlap.analysis.statistics import bootstrap_interval, means
-from hotlap.files import load_race
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.files.descriptions import load_race
 from hotlap.first_guess.guess import first_guess
-from hotlap.preparation import prepare
-from hotlap.race import Race
-from hotlap.reproduce.context import Context
+from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
+from hotlap.reference.segmentation import SegmentationRule
 from hotlap.reproduce.page import Page, percent
 from hotlap.reproduce.published import RACES, TABLE_I, TABLE_II, TABLE_III
-from hotlap.seeds import Stream, flight_seeds
-from hotlap.segmentation import Rule
-from hotlap.tuning import TuningSettings
+from hotlap.tuning.loop import TuningSettings
 
 METHODS: Mapping[str, tuple[str, int]] = {  # of Table I: tuner, budget
     "random search": ("random_search:paper", 200),
@@ -35,7 +35,7 @@ METHODS: Mapping[str, tuple[str, int]] = {  # of Table I: tuner, budget
     "CMA-ES": ("cma_es:raw", 1000),
     "gradient boosting": ("gradient_boosting:surrogate", 200),
     "AutoTune": ("metropolis_hastings:paper", 200),
-    "hotlap": ("gatewise", 200),
+    "hotlap": ("gate_gp", 200),
 }
 SLOW = ("bayesian", "gradient_boosting")  # whose own time exceeds that of the flights
 GUESSES = ("default", "learned", "paper")
@@ -49,7 +49,7 @@ SHOWN = 700_000  # first of them: others than those that plans are chosen by
 
 def compensated(race: Race) -> Race:
     """The same race with a controller that knows its dead time."""
-    known = race.believed.model_copy(update={"delay": race.vehicle.delay})
+    known = race.control_model.model_copy(update={"delay": race.vehicle.delay})
     return race.model_copy(update={"name": f"{race.name}, latency known", "model": known})
 
 
@@ -129,7 +129,7 @@ def table2(context: Context) -> Page:
     """Lap times on the tracks of Game of Drones, as planned and with the fastest plan that holds."""
     names = ("circle-34",) if context.quick else (*GAME_OF_DRONES, "airsim-qualifier-20", "airsim-final-21")
     settings = TuningSettings(budget=40 if context.quick else 300, confirm=10, reliability=RELIABLE, validation=200)
-    found: dict[str, tuple[Knobs, dict[str, Any]] | None] = {}
+    found: dict[str, tuple[PlanSettings, dict[str, Any]] | None] = {}
     for name in names:
         race = load_race(name)
         do, judge = partial(_each, context, name, "plans", try_plan), partial(_each, context, name, "winners", judge_plan)
@@ -168,15 +168,15 @@ def _numbers(values: Sequence[float]) -> list[str]:
     return [f"{value:.2f}" for value in values]
 
 
-def _speeds(race: Race, knobs: Knobs | None, result: Mapping[str, Any] | None) -> list[str]:
+def _speeds(race: Race, plan_settings: PlanSettings | None, result: Mapping[str, Any] | None) -> list[str]:
     """Mean lap, largest and mean speed of flights that pass every gate, and their share: as a search left them, or (None) as guessed."""
-    if result is not None and knobs is None:
+    if result is not None and plan_settings is None:
         return ["-"] * 4  # nothing that holds was found
-    course = prepare(race if knobs is None else knobs.applied(race))
-    values = first_guess(course) if result is None else np.array(result["parameters"])
+    scenario = prepare(race if plan_settings is None else plan_settings.applied(race))
+    values = first_guess(scenario) if result is None else np.array(result["parameters"])
     seeds = flight_seeds(0, Stream.DEMONSTRATION, SHOWN, FLOWN)
-    flights = built_in_world().fly(course, np.repeat(values[None], FLOWN, axis=0), seeds, log=range(FLOWN))
-    whole = [i for i in range(FLOWN) if flights.gates_passed[i] == len(course.race.track.gates)]
+    flights = built_in_world().fly(scenario, np.repeat(values[None], FLOWN, axis=0), seeds, log=range(FLOWN))
+    whole = [i for i in range(FLOWN) if flights.gates_passed[i] == len(scenario.race.track.gates)]
     if not whole:
         return ["-", "-", "-", "0 %"]
     speeds = [np.linalg.norm(flights.logs[i].states[flights.logs[i].times <= flights.lap_time[i], 7:10], axis=1) for i in whole]
@@ -193,7 +193,7 @@ def table3(context: Context) -> Page:
     variants = [
         (guess, rule, tuner)
         for guess in (GUESSES[:2] if context.quick else GUESSES)
-        for rule, tuners in ((Rule.PAPER, UNTIED + TIED), (Rule.NONE, UNTIED))
+        for rule, tuners in ((SegmentationRule.PAPER, UNTIED + TIED), (SegmentationRule.NONE, UNTIED))
         for tuner in tuners
     ]
     cells = {

@@ -10,11 +10,11 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
 
-from hotlap.errors import InputError, UnknownNameError
+from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.tuners import (
     bayesian,
     cma_es,
-    gatewise,
+    gate_gp,
     gradient,
     gradient_boosting,
     guided_walk,
@@ -29,7 +29,7 @@ from hotlap.tuners import (
 )
 from hotlap.tuners.bayesian import Bayesian
 from hotlap.tuners.cma_es import CmaEs
-from hotlap.tuners.gatewise import Gatewise
+from hotlap.tuners.gate_gp import GateGp
 from hotlap.tuners.gradient import Gradient
 from hotlap.tuners.gradient_boosting import GradientBoosting
 from hotlap.tuners.guided_walk import GuidedWalk
@@ -43,12 +43,12 @@ from hotlap.tuners.trust_region import TrustRegion
 from hotlap.tuners.tuner import Tuner
 from hotlap.tuners.weighted_likelihood import WeightedLikelihood
 
-DEFAULT = "gatewise"
+DEFAULT = "gate_gp"
 
 _ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
     "bayesian": (Bayesian, bayesian.PRESETS),
     "cma_es": (CmaEs, cma_es.PRESETS),
-    "gatewise": (Gatewise, gatewise.PRESETS),
+    "gate_gp": (GateGp, gate_gp.PRESETS),
     "gradient": (Gradient, gradient.PRESETS),
     "gradient_boosting": (GradientBoosting, gradient_boosting.PRESETS),
     "guided_walk": (GuidedWalk, guided_walk.PRESETS),

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.records import Scores
 from hotlap.tuners.unit_box import UnitBox
 
 if TYPE_CHECKING:

@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.records import Scores
 from hotlap.tuners.offsets import Offsets
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Estimate(StrEnum):
     FINITE_DIFFERENCES = "finite_differences"
 
 
-class Rule(StrEnum):
+class UpdateRule(StrEnum):
     """How a gradient becomes a step."""
 
     GAINS = "gains"
@@ -61,7 +61,7 @@ class Settings:
     """
 
     estimate: Estimate = Estimate.SIMULTANEOUS
-    rule: Rule = Rule.GAINS
+    rule: UpdateRule = UpdateRule.GAINS
     step: float = 0.3
     shake: float = 0.3
     stability: int = 10
@@ -83,7 +83,7 @@ PRESETS: Mapping[str, Settings] = {
     "spsa_metric": Settings(dense=False),
     "spsa_averaged": Settings(averages=4),
     "spsa_segments": Settings(tied=False),
-    "spsa_adam": Settings(rule=Rule.ADAM),
+    "spsa_adam": Settings(rule=UpdateRule.ADAM),
     "finite_differences": Settings(Estimate.FINITE_DIFFERENCES, stability=2),
     "finite_differences_segments": Settings(Estimate.FINITE_DIFFERENCES, stability=0, tied=False),
 }
@@ -182,7 +182,7 @@ class Gradient:
     def _step(self, gradient: Floats) -> Floats:
         """What is subtracted from the place, shape (d,)."""
         k = self._steps + 1
-        if self.settings.rule is Rule.ADAM:
+        if self.settings.rule is UpdateRule.ADAM:
             self._momentum = MOMENTUM * self._momentum + (1 - MOMENTUM) * gradient
             self._square = MEMORY * self._square + (1 - MEMORY) * gradient**2
             mean, square = self._momentum / (1 - MOMENTUM**k), self._square / (1 - MEMORY**k)

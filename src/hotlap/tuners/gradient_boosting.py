@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace, reflect
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace, reflect
+from hotlap.core.records import Scores
 
 if TYPE_CHECKING:
     from sklearn.ensemble import GradientBoostingRegressor

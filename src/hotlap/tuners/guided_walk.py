@@ -4,7 +4,7 @@
    candidates, those that move along some axes and not along others, part the segments, a little at a time.
 2. Costs are dense: they tell by how much each gate was missed (`Scores.dense`), so that one flight says as much as it can.
 3. After some steps, candidates around the visited point of lowest posterior mean are judged by mean - k sd; steps are of all
-   sizes, and k differs from flight to flight, so that the walk neither freezes nor roams.
+   sizes, and k differs from flight to flight, so that the walk neither freezes nor exploration.
 4. With a small probability it leaves from another good point, or at first flies anywhere: chance, against being caught in one place, and
    because the first guess may be far from everything that flies.
 """
@@ -19,13 +19,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.tuners.gaussian_process import LENGTHS, Shape, choose_shape, fit
 from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
 
 Floats = NDArray[np.float64]
 
-ROAMING = 40  # flights, after which it roams no more
+ROAMING = 40  # flights, after which it exploration no more
 POOL = 300  # candidates
 REFIT = 10  # flights between looks at the likelihood
 STEP_SIZES = (math.log(0.1), math.log(1.5))  # of a candidate, in units of `step`
@@ -51,8 +51,8 @@ PRESETS: Mapping[str, Settings] = {
     "segments": Settings(correlation=0.9),
     "independent": Settings(correlation=0.0),
     "sparse": Settings(dense=False),
-    "steady": Settings(leaps=0.0, roams=0.0),
-    "homely": Settings(roams=0.0),
+    "no_restarts": Settings(restart_probability=0.0, exploration=0.0),
+    "no_exploration": Settings(exploration=0.0),
 }
 
 
@@ -76,7 +76,7 @@ class GuidedWalk(Walk[Settings]):
 
     def _roaming(self, flown: int) -> float:
         """Chance of a flight anywhere after so many."""
-        return self.settings.roams if flown < ROAMING else 0.0
+        return self.settings.exploration if flown < ROAMING else 0.0
 
     def _steps(self, count: int) -> Floats:
         """Gaussian steps of unit size, correlated over segments, shape (count, S K)."""
@@ -93,7 +93,7 @@ class GuidedWalk(Walk[Settings]):
             self._kernel = choose_shape(points, costs, lengths)
         posterior = fit(points, costs, self._kernel)
         means = posterior.predict(points)[0]
-        if self._rng.random() < self.settings.leaps:
+        if self._rng.random() < self.settings.restart_probability:
             return self._leap(points[leaping_points(means)])
         sizes = self.settings.step * np.exp(self._rng.uniform(*STEP_SIZES, (POOL, 1)))
         steps = sizes * self._steps(POOL)

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.records import Scores
 from hotlap.tuners.gaussian_process import Conditioned, Prior, condition
 from hotlap.tuners.subspace import SPACING, Direction, Lattice, axes_of, draw_direction
 

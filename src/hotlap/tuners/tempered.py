@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.records import Scores
 from hotlap.tuners import metropolis_hastings
 from hotlap.tuners.metropolis_hastings import negative_log_score, propose
 

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.records import Scores
 
 
 class Tuner(Protocol):

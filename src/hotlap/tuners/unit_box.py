@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace
+from hotlap.core.parameters import Parameters, ParameterSpace
 
 Floats = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from typing import Any, ClassVar, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace
+from hotlap.core.records import Scores
 
 Floats = NDArray[np.float64]
 
@@ -27,15 +27,15 @@ class WalkSettings:
     Attributes:
         step: standard deviation of a step, in natural logarithms times the space's `log_step`.
         opening: flights around the best one, before anything guides.
-        leaps: share of the flights that leave from another good point.
-        roams: chance, at first, of a flight anywhere within the bounds, the same in all segments.
+        restart_probability: share of the flights that leave from another good point.
+        exploration: chance, at first, of a flight anywhere within the bounds, the same in all segments.
         dense: use the dense cost, and flights that go on after a miss; else the metric.
     """
 
     step: float = 0.6
     opening: int = 5
-    leaps: float = 0.25
-    roams: float = 0.2
+    restart_probability: float = 0.25
+    exploration: float = 0.2
     dense: bool = True
 
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.parameters import Parameters, ParameterSpace, reflect
-from hotlap.records import Scores
+from hotlap.core.parameters import Parameters, ParameterSpace, reflect
+from hotlap.core.records import Scores
 from hotlap.tuners.offsets import Offsets
 
 Floats = NDArray[np.float64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from hotlap.errors import UnknownNameError
+from hotlap.core.errors import UnknownNameError
 from hotlap.worlds.built_in import NAME, BuiltIn
 from hotlap.worlds.world import World
 

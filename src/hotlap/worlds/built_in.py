@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.controllers import ControllerKind
-from hotlap.course import Course
-from hotlap.parameters import Parameters
-from hotlap.records import Flights
+from hotlap.core.parameters import Parameters
+from hotlap.core.records import Flights
+from hotlap.race.controllers import ControllerKind
+from hotlap.reference.scenario import Scenario
 
 if TYPE_CHECKING:
-    from hotlap.flight.batch import Effort
+    from hotlap.flight.fly import Effort
     from hotlap.flight.numbers import Numbers
 
 NAME = "built-in"
@@ -34,7 +34,7 @@ class BuiltIn:
 
     Attributes:
         name: "built-in".
-        takes_truth: it does.
+        takes_vehicle_parameters: it does.
         threads: how many; 0 for one a processor.
         effort: what the last batch took.
 
@@ -42,7 +42,7 @@ class BuiltIn:
     """
 
     def __init__(self, numbers: str = "", threads: int = 0) -> None:
-        self.name, self.takes_truth = NAME, True
+        self.name, self.takes_vehicle_parameters = NAME, True
         self.effort: Effort | None = None
         self._numbers, self.threads = numbers, threads
         self._sound: dict[ControllerKind, Numbers] = {}
@@ -54,30 +54,32 @@ class BuiltIn:
 
         return Numbers(self._numbers) if self._numbers else best_numbers()
 
-    def needs_compiling(self, course: Course) -> bool:
-        """Whether the next flight over a course has to wait for the compiler."""
-        from hotlap.flight import kernel_cache, simulate  # noqa: PLC0415
+    def needs_compiling(self, scenario: Scenario) -> bool:
+        """Whether the next flight over a scenario has to wait for the compiler."""
+        from hotlap.flight import kernel, kernel_cache  # noqa: PLC0415
 
-        return not kernel_cache.is_filled(simulate.worker(self.numbers, course.race.controller.kind))
+        return not kernel_cache.is_filled(kernel.worker(self.numbers, scenario.race.controller.kind))
 
-    def prepare(self, course: Course) -> None:
+    def prepare(self, scenario: Scenario) -> None:
         """Compile, or load what was compiled: flies once."""
-        self.fly(course, course.space.first_guess(len(course.segments))[None], np.zeros(1, dtype=np.int64))
+        self.fly(scenario, scenario.space.first_guess(len(scenario.segments))[None], np.zeros(1, dtype=np.int64))
 
     def fly(
         self,
-        course: Course,
+        scenario: Scenario,
         parameters: Parameters,
         seeds: NDArray[np.int64],
         *,
-        truth: NDArray[np.float64] | None = None,
+        vehicle_parameters: NDArray[np.float64] | None = None,
         log: Sequence[int] = (),
     ) -> Flights:
-        """Fly a batch; see `World.fly`. The columns of `truth` are `truth.TRUTH`."""
-        from hotlap.flight.batch import fly_batch  # noqa: PLC0415
+        """Fly a batch; see `World.fly`. The columns of `vehicle_parameters` are `vehicle_parameters.VEHICLE_PARAMETERS`."""
+        from hotlap.flight.fly import fly_batch  # noqa: PLC0415
 
-        numbers = self.sound_numbers(course.race.controller.kind)
-        flights, self.effort = fly_batch(course, parameters, seeds, numbers=numbers, threads=self.threads, truth=truth, log=log)
+        numbers = self.sound_numbers(scenario.race.controller.kind)
+        flights, self.effort = fly_batch(
+            scenario, parameters, seeds, numbers=numbers, threads=self.threads, vehicle_parameters=vehicle_parameters, log=log
+        )
         return flights
 
     def sound_numbers(self, kind: ControllerKind) -> Numbers:

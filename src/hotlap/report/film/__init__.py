@@ -1,4 +1,4 @@
 """Film: the flight of a study as a moving picture, beside what it was before.
 
-study -> takes (flights, frame by frame) -> frames (matplotlib) -> recording (.gif, .mp4)
+study -> flights (flights, frame by frame) -> frames (matplotlib) -> recording (.gif, .mp4)
 """

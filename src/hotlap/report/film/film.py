@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
+from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.report.demonstration import BEST, DEFAULT, FIRST, choose
+from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.frames import Titles, draw_frames
 from hotlap.report.film.recording import RATES, Pixels, record
-from hotlap.report.film.takes import film_takes
-from hotlap.report.page.standing import Standing, begins_at_default
 from hotlap.report.scene import stage
-from hotlap.seeds import Stream, flight_seeds
+from hotlap.study.snapshot import Snapshot, begins_at_default
 from hotlap.worlds.world import World
 
 Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]
@@ -30,12 +30,12 @@ def silent(*_: object) -> Iterator[Callable[[str], None]]:
     yield lambda _: None
 
 
-def write_film(path: Path, standing: Standing, world: World, progress: Progress = silent) -> Path:
+def write_film(path: Path, snapshot: Snapshot, world: World, progress: Progress = silent) -> Path:
     """Fly the best parameters and the controller's default (or the first guess) once, and record them beside each other.
 
     Args:
         path: .gif or .mp4; its suffix decides.
-        standing: of the study.
+        snapshot: of the study.
         world: where its flights happen.
         progress: shows how many frames are drawn.
 
@@ -45,20 +45,20 @@ def write_film(path: Path, standing: Standing, world: World, progress: Progress 
     Raises:
         InputError: when it cannot be written.
     """
-    asked = standing.configuration
-    course = asked.course
-    known = choose(course, asked.first_guess, standing.best)
+    asked = snapshot.configuration
+    scenario = asked.scenario
+    known = choose(scenario, asked.first_guess, snapshot.best)
     best, before = known[0], known[1:][-1:]  # the default if there is one, else the first guess
-    pace = pace_of(course.reference.duration)
+    pace = pace_of(scenario.reference.duration)
     interval = pace / RATES[path.suffix.lower()]
     seed = int(flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, 1)[0])
-    takes = film_takes(course, world, (*before, best), seed, interval)
-    gates = len(course.race.track.gates)
-    title = f"{course.race.name}: {gates} gates, planned in {course.reference.lap_time:.2f} s"
+    flights = film_flights(scenario, world, (*before, best), seed, interval)
+    gates = len(scenario.race.track.gates)
+    title = f"{scenario.race.name}: {gates} gates, planned in {scenario.reference.lap_time:.2f} s"
     slow = f"   at {pace:g} times real speed" if pace > 1 else "   real time"
-    titles = Titles(title, slow, tuple(_label(take.label, standing) for take in takes))
-    frames = draw_frames(stage(course), takes, titles, interval)
-    with progress("frames", max(map(len, takes)), 0) as say:
+    titles = Titles(title, slow, tuple(_label(flight.label, snapshot) for flight in flights))
+    frames = draw_frames(stage(scenario), flights, titles, interval)
+    with progress("frames", max(map(len, flights)), 0) as say:
         return record(path, _watched(frames, say))
 
 
@@ -74,10 +74,10 @@ def pace_of(duration: float) -> float:
     return next((pace for pace in PACES if duration / pace <= LONGEST), math.ceil(duration / LONGEST))
 
 
-def _label(label: str, standing: Standing) -> str:
+def _label(label: str, snapshot: Snapshot) -> str:
     """What a panel shows."""
-    result = standing.result
-    if label == FIRST and begins_at_default(standing.configuration):
+    result = snapshot.result
+    if label == FIRST and begins_at_default(snapshot.configuration):
         label = DEFAULT
     if label != BEST or result is None:
         return NAMES.get(label, label)

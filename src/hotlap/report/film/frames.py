@@ -1,4 +1,4 @@
-"""Frames: takes drawn beside each other, one picture after the other."""
+"""Frames: flights drawn beside each other, one picture after the other."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from hotlap.report.film.camera import Camera, aim, rings
-from hotlap.report.film.craft import draw_craft
-from hotlap.report.film.takes import Take
+from hotlap.report.film.drone import draw_drone
+from hotlap.report.film.flight_frames import FlightFrames
 from hotlap.report.scene import Scene
 from hotlap.report.style import SPEED_MAP, own_settings, place_axes
 
@@ -48,37 +48,37 @@ class Titles:
     labels: tuple[str, ...]
 
 
-def draw_frames(scene: Scene, takes: Sequence[Take], titles: Titles, interval: float) -> Iterator[NDArray[np.uint8]]:
+def draw_frames(scene: Scene, flights: Sequence[FlightFrames], titles: Titles, interval: float) -> Iterator[NDArray[np.uint8]]:
     """Every frame as pixels, shape (height, width, 3), height and width even.
 
     Args:
-        scene: course and gates.
-        takes: beside each other, one panel each.
+        scene: scenario and gates.
+        flights: beside each other, one panel each.
         titles: what is written.
         interval: [s] of the flight between frames.
     """
     with own_settings():
-        film = _Film(scene, takes, titles)
-        for k in range(max(map(len, takes))):
+        film = _Film(scene, flights, titles)
+        for k in range(max(map(len, flights))):
             yield film.frame(k, k * interval)
 
 
 class _Film:
     """The figure that all frames are drawn in: what stands still once, what moves each time."""
 
-    def __init__(self, scene: Scene, takes: Sequence[Take], titles: Titles) -> None:
+    def __init__(self, scene: Scene, flights: Sequence[FlightFrames], titles: Titles) -> None:
         camera = aim(scene.path)
         low, high = _limits(scene, camera)
         extent = high - low
         height = float(np.clip(WIDTH * extent[1] / extent[0], SHORTEST, TALLEST))
-        size = np.array([len(takes) * (WIDTH + EDGE) + EDGE, TOP + height + BOTTOM])
+        size = np.array([len(flights) * (WIDTH + EDGE) + EDGE, TOP + height + BOTTOM])
         self._figure = Figure(figsize=tuple(np.round(size * DPI / 2) * 2 / DPI), dpi=DPI, facecolor=NIGHT)
         self._canvas = FigureCanvasAgg(self._figure)
-        norm = Normalize(0.0, max(1.0, *(float(take.speed[: take.judged + 1].max(initial=0.0)) for take in takes)))
-        places = [EDGE + i * (WIDTH + EDGE) for i in range(len(takes))]
+        norm = Normalize(0.0, max(1.0, *(float(flight.speed[: flight.judged + 1].max(initial=0.0)) for flight in flights)))
+        places = [EDGE + i * (WIDTH + EDGE) for i in range(len(flights))]
         axes = [_panel(self._figure, place, height, low, high) for place in places]
         self._panels = [
-            _Panel(axis, scene, camera, take, label, norm) for axis, take, label in zip(axes, takes, titles.labels, strict=True)
+            _Panel(axis, scene, camera, flight, label, norm) for axis, flight, label in zip(axes, flights, titles.labels, strict=True)
         ]
         full_height = self._figure.get_size_inches()[1]
         self._figure.text(EDGE / size[0], 1 - 0.13 / full_height, titles.title, fontsize=13, weight="bold", color=LIGHT, va="top")
@@ -106,10 +106,10 @@ class _Film:
 class _Panel:
     """One flight."""
 
-    def __init__(self, axes: Axes, scene: Scene, camera: Camera, take: Take, label: str, norm: Normalize) -> None:
-        self._camera, self._take, self._total = camera, take, len(scene.gates)
+    def __init__(self, axes: Axes, scene: Scene, camera: Camera, flight: FlightFrames, label: str, norm: Normalize) -> None:
+        self._camera, self._flight, self._total = camera, flight, len(scene.gates)
         self._ground, self._size = _ground(scene), CRAFT * abs(float(np.subtract(*axes.get_xlim())))
-        self._path, self._gates = camera.project(take.position), _gates(scene, camera)
+        self._path, self._gates = camera.project(flight.position), _gates(scene, camera)
         _draw_still(axes, scene, camera, self._gates)
         above: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": 10.5}
         axes.annotate(label, (0, 1), xytext=(0, 22), color=LIGHT, **above)
@@ -118,29 +118,29 @@ class _Panel:
         self._trail = _add(axes, LineCollection([], linewidths=2.2, zorder=4, **colours))
         self._lost = _add(axes, LineCollection([], colors=FAILURE, linewidths=1.0, alpha=0.7, zorder=3))
         self._lit = _add(axes, LineCollection([], colors=PASSED, linewidths=1.3, zorder=3.5))
-        self._craft = _add(axes, LineCollection([], linewidths=1.4, zorder=6))
+        self._drone = _add(axes, LineCollection([], linewidths=1.4, zorder=6))
         (self._plumb,) = axes.plot([], [], color=DIM, linewidth=0.6, marker=".", markevery=[1], markersize=3, zorder=3)
         (self._cross,) = axes.plot([], [], linestyle="none", marker="x", color=FAILURE, markersize=11, markeredgewidth=2.6, zorder=7)
-        self.movers: list[Artist] = [self._plumb, self._lost, self._lit, self._trail, self._craft, self._cross, self._count]
+        self.movers: list[Artist] = [self._plumb, self._lost, self._lit, self._trail, self._drone, self._cross, self._count]
 
     def move(self, k: int) -> None:
         """To the k-th frame."""
-        take, k = self._take, min(k, len(self._take) - 1)
-        good, over = min(k, take.judged) if take.failed else k, k >= take.judged
+        flight, k = self._flight, min(k, len(self._flight) - 1)
+        good, over = min(k, flight.judged) if flight.failed else k, k >= flight.judged
         self._trail.set_segments(_pairs(self._path[: good + 1]))
-        self._trail.set_array(take.speed[1 : good + 1])
+        self._trail.set_array(flight.speed[1 : good + 1])
         self._lost.set_segments(_pairs(self._path[good : k + 1]))
-        self._lit.set_segments(list(self._gates[: take.passed[k]]))
-        position, failed = take.position[k], take.failed and over
-        craft = draw_craft(position, take.attitude[k], self._size, take.layout)
-        self._craft.set_segments([self._camera.project(line) for line in craft])
-        self._craft.set_color(FAILURE if failed else LIGHT)
+        self._lit.set_segments(list(self._gates[: flight.passed[k]]))
+        position, failed = flight.position[k], flight.failed and over
+        drone = draw_drone(position, flight.attitude[k], self._size, flight.layout)
+        self._drone.set_segments([self._camera.project(line) for line in drone])
+        self._drone.set_color(FAILURE if failed else LIGHT)
         self._plumb.set_data(*self._camera.project(np.array([position, [*position[:2], self._ground]])).T)
-        self._cross.set_data(*(self._path[[min(take.judged, len(take) - 1)]].T if failed else ([], [])))
+        self._cross.set_data(*(self._path[[min(flight.judged, len(flight) - 1)]].T if failed else ([], [])))
         self._count.set_color(FAILURE if failed else DONE if over else DIM)
         self._count.set_fontweight("bold" if over else "normal")
         mark = "✕ " if failed else "✓ " if over else ""
-        self._count.set_text(f"{mark}{take.ending}" if over else f"{take.passed[k]} of {self._total} gates")
+        self._count.set_text(f"{mark}{flight.ending}" if over else f"{flight.passed[k]} of {self._total} gates")
 
 
 def _panel(figure: Figure, left: float, height: float, low: Floats, high: Floats) -> Axes:

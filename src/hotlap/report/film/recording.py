@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.errors import InputError
+from hotlap.core.errors import InputError
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -26,7 +26,7 @@ RATES = {".gif": 20, ".mp4": 30}  # frames a second
 
 
 def check_recorder(path: Path) -> None:
-    """Refuse a film that could not be written, before anything takes its time.
+    """Refuse a film that could not be written, before anything flights its time.
 
     Raises:
         InputError: there is no ffmpeg for an MP4.

@@ -5,17 +5,17 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from hotlap import toml
-from hotlap.analysis.hold import Hold
-from hotlap.check import mistaken
-from hotlap.files import PARAMETERS_FILE
+from hotlap.analysis.robustness import Robustness
+from hotlap.core.seeds import Stream
+from hotlap.core.success_rate import Validation
+from hotlap.files import toml_writer
+from hotlap.files.descriptions import PARAMETERS_FILE
+from hotlap.planning.feasibility import mistaken
 from hotlap.report.history import collect, succeeded
 from hotlap.report.page.encoding import number, pack
-from hotlap.report.page.flown import describe_course, describe_repeats, describe_trace
-from hotlap.report.page.shown import Shown
-from hotlap.report.page.standing import Standing, begins_at_default
-from hotlap.seeds import Stream
-from hotlap.validation import Validation
+from hotlap.report.page.flown import describe_repeats, describe_scenario, describe_trace
+from hotlap.report.page.replay import Replay
+from hotlap.study.snapshot import Snapshot, begins_at_default
 
 FORMAT = 1
 MOST_SAMPLES, MOST_VALUES = 2000, 150_000  # rows, and numbers in them
@@ -29,53 +29,53 @@ SYMBOLS = {  # letters of the paper, where it has them
 STREAMS = (Stream.SEARCH, Stream.CONFIRMATION, Stream.VALIDATION)
 
 
-def describe(standing: Standing, shown: Shown | None, *, live: bool = False) -> dict[str, Any]:
+def describe(snapshot: Snapshot, replay: Replay | None, *, live: bool = False) -> dict[str, Any]:
     """Everything that the page shows.
 
     Args:
-        standing: of the study.
-        shown: what was flown again; None: nothing yet.
+        snapshot: of the study.
+        replay: what was flown again; None: nothing yet.
         live: whether the page is to ask for more.
     """
-    traces = [] if shown is None else [describe_trace(*both) for both in zip(shown.scene.traces, shown.efforts, strict=True)]
+    traces = [] if replay is None else [describe_trace(*both) for both in zip(replay.scene.traces, replay.efforts, strict=True)]
     return {
         "format": FORMAT,
         "kind": "study",
         "live": live,
-        "headline": _headline(standing),
-        "course": describe_course(standing.configuration.course),
+        "headline": _headline(snapshot),
+        "scenario": describe_scenario(snapshot.configuration.scenario),
         "traces": traces,
-        "repeats": [] if shown is None else [describe_repeats(repeats) for repeats in shown.scene.repeats],
-        "flights": _flights(standing),
-        "parameters": _parameters(standing),
-        "samples": _samples(standing),
-        "sensitivity": _sensitivity(shown),
-        "hold": [] if shown is None else [_hold(hold) for hold in shown.holds],
-        "configuration": _configuration(standing),
+        "repeats": [] if replay is None else [describe_repeats(repeats) for repeats in replay.scene.repeats],
+        "flights": _flights(snapshot),
+        "parameters": _parameters(snapshot),
+        "samples": _samples(snapshot),
+        "sensitivity": _sensitivity(replay),
+        "hold": [] if replay is None else [_hold(hold) for hold in replay.holds],
+        "configuration": _configuration(snapshot),
     }
 
 
-def _headline(standing: Standing) -> dict[str, Any]:
+def _headline(snapshot: Snapshot) -> dict[str, Any]:
     """The answer to: did it work?"""
-    asked, result = standing.configuration, standing.result
-    race, settings = asked.course.race, asked.settings
-    known = race.believed.delay if race.controller.predict else 0.0
+    asked, result = snapshot.configuration, snapshot.result
+    race, settings = asked.scenario.race, asked.settings
+    known = race.control_model.delay if race.controller.predict else 0.0
     return {
         "race": race.name,
         "vehicle": race.vehicle.name,
-        "model": race.believed.name,
+        "model": race.control_model.name,
         "latency_unknown": round(race.vehicle.delay - known, 6),
         "mistaken": [name for name in mistaken(race) if name != "delay"],
         "tuner": asked.tuner,
         "goal": str(settings.goal),
         "seed": settings.seed,
-        "first_guess": first_guess_of(standing),
-        "state": "finished" if standing.finished else "running",
+        "first_guess": first_guess_of(snapshot),
+        "state": "finished" if snapshot.finished else "running",
         "flights": 0 if result is None else result.flights,
         "search_flights": 0 if result is None else result.search_flights,
         "budget": settings.budget,
         "lap_time": None if result is None else number(result.best.lap_time),
-        "planned_lap_time": number(asked.course.reference.lap_time),
+        "planned_lap_time": number(asked.scenario.reference.lap_time),
         "completion": None if result is None else number(result.best.completion),
         "confirmed": result is not None and result.best.confirmed,
         "confirm": settings.confirm,
@@ -85,11 +85,11 @@ def _headline(standing: Standing) -> dict[str, Any]:
     }
 
 
-def first_guess_of(standing: Standing) -> str:
+def first_guess_of(snapshot: Snapshot) -> str:
     """What the search began with, in a word."""
-    if begins_at_default(standing.configuration):
+    if begins_at_default(snapshot.configuration):
         return "default"
-    given = re.search(r" --first-guess[ =](\S+)", standing.command)
+    given = re.search(r" --first-guess[ =](\S+)", snapshot.command)
     return given[1] if given else "learned"
 
 
@@ -98,13 +98,13 @@ def _validation(validation: Validation) -> dict[str, Any]:
     return {"flights": validation.flights, "successes": validation.successes, "rate": validation.rate, "low": low, "high": high}
 
 
-def _hold(hold: Hold) -> dict[str, Any]:
+def _hold(hold: Robustness) -> dict[str, Any]:
     return {"change": hold.change, **_validation(hold.validation)}
 
 
-def _flights(standing: Standing) -> dict[str, Any]:
+def _flights(snapshot: Snapshot) -> dict[str, Any]:
     """Every flight, in the order of the ledger."""
-    ledger, settings = standing.ledger, standing.configuration.settings
+    ledger, settings = snapshot.ledger, snapshot.configuration.settings
     return {
         "number": pack(ledger.numbers + 1),
         "cost": pack(ledger.cost),
@@ -115,14 +115,14 @@ def _flights(standing: Standing) -> dict[str, Any]:
         "accepted": ledger.accepted.astype(int).tolist(),
         "succeeded": succeeded(ledger, settings.goal).astype(int).tolist(),
         "failed_segment": ledger.failed_segment.tolist(),
-        "cost_name": standing.configuration.cost_name,
+        "cost_name": snapshot.configuration.cost_name,
     }
 
 
-def _parameters(standing: Standing) -> dict[str, Any]:
+def _parameters(snapshot: Snapshot) -> dict[str, Any]:
     """What was tuned, from where to where."""
-    course, first = standing.configuration.course, standing.configuration.first_guess
-    space, unit = course.space, course.race.controller.horizon_unit
+    scenario, first = snapshot.configuration.scenario, snapshot.configuration.first_guess
+    space, unit = scenario.space, scenario.race.controller.horizon_unit
     return {
         "names": list(space.names),
         "symbols": [SYMBOLS.get(name, name) for name in space.names],
@@ -131,45 +131,45 @@ def _parameters(standing: Standing) -> dict[str, Any]:
         "high": pack(space.high),
         "default": pack(space.first_guess(len(first))),
         "first": pack(first),
-        "best": pack(standing.best),
+        "best": pack(snapshot.best),
     }
 
 
-def _samples(standing: Standing) -> dict[str, Any]:
+def _samples(snapshot: Snapshot) -> dict[str, Any]:
     """Parameters of the search flights, thinned evenly where there are many."""
-    most = max(1, min(MOST_SAMPLES, MOST_VALUES // max(1, standing.configuration.first_guess.size)))
-    samples = collect(standing.ledger, standing.configuration.settings.goal, most)
+    most = max(1, min(MOST_SAMPLES, MOST_VALUES // max(1, snapshot.configuration.first_guess.size)))
+    samples = collect(snapshot.ledger, snapshot.configuration.settings.goal, most)
     return {
         "parameters": pack(samples.parameters),
         "accepted": samples.accepted.astype(int).tolist(),
         "completion": pack(samples.completion),
         "succeeded": samples.succeeded.astype(int).tolist(),
-        "of": int((standing.ledger.streams == int(Stream.SEARCH)).sum()),
+        "of": int((snapshot.ledger.streams == int(Stream.SEARCH)).sum()),
     }
 
 
-def _sensitivity(shown: Shown | None) -> dict[str, Any] | None:
+def _sensitivity(replay: Replay | None) -> dict[str, Any] | None:
     """How much each parameter matters."""
-    if shown is None or shown.sensitivity is None:
+    if replay is None or replay.sensitivity is None:
         return None
-    found = shown.sensitivity
+    found = replay.sensitivity
     arrays = {name: pack(getattr(found, name)) for name in ("completion", "complete", "by_segment")}
     return {"factors": found.factors.tolist(), "flights": found.flights, **arrays}
 
 
-def _configuration(standing: Standing) -> dict[str, Any]:
+def _configuration(snapshot: Snapshot) -> dict[str, Any]:
     """What it takes to do the same again."""
-    asked = standing.configuration
-    plain, race = asked.dump(), asked.course.race
+    asked = snapshot.configuration
+    plain, race = asked.dump(), asked.scenario.race
     tuner = {f"tuner.{key}": value for key, value in plain["tuner"].items()}
     settings = {key: value for key, value in plain.items() if key not in {"tuner", "race", "segments", "first_guess"}}
     return {
-        "command": standing.command,
+        "command": snapshot.command,
         "fingerprint": asked.fingerprint,
-        "versions": dict(standing.openings[-1][1]) if standing.openings else {},
-        "opened": [moment for moment, _ in standing.openings],
-        "race_toml": toml.write(race.model_dump(mode="json", exclude_none=True)),
+        "versions": dict(snapshot.openings[-1][1]) if snapshot.openings else {},
+        "opened": [moment for moment, _ in snapshot.openings],
+        "race_toml": toml_writer.write(race.model_dump(mode="json", exclude_none=True)),
         "settings": {**tuner, **settings},
         "world": asked.world,
-        "files": {"study": str(standing.folder), "parameters": str(standing.folder / PARAMETERS_FILE)},
+        "files": {"study": str(snapshot.folder), "parameters": str(snapshot.folder / PARAMETERS_FILE)},
     }

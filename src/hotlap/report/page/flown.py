@@ -1,4 +1,4 @@
-"""Flown: a course and its flights as plain JSON."""
+"""Flown: a scenario and its flights as plain JSON."""
 
 from __future__ import annotations
 
@@ -6,43 +6,43 @@ from typing import Any
 
 import numpy as np
 
-from hotlap.course import Course
-from hotlap.race import Rule
+from hotlap.core.success_rate import wilson_interval
+from hotlap.race.race import GateRule
+from hotlap.reference.scenario import Scenario
 from hotlap.report.demonstration import BEST, DEFAULT, FIRST
 from hotlap.report.effort import Effort
 from hotlap.report.page.encoding import number, numbers, pack, thin
 from hotlap.report.scene import Repeats, Trace
-from hotlap.validation import wilson_interval
 
 IDS = {BEST: "best", FIRST: "first", DEFAULT: "default"}  # as the page knows them
 
 
-def describe_course(course: Course) -> dict[str, Any]:
+def describe_scenario(scenario: Scenario) -> dict[str, Any]:
     """Gates, segments, reference and limits."""
-    race, segments = course.race, course.segments
+    race, segments = scenario.race, scenario.segments
     pieces = [{"class": str(piece.kind), "start": piece.start, "end": piece.end, "segment": piece.segment} for piece in segments.pieces]
     vehicle, settings = race.vehicle, race.controller
     return {
-        "duration": float(course.reference.duration),
-        "lap_time": course.reference.lap_time,
+        "duration": float(scenario.reference.duration),
+        "lap_time": scenario.reference.lap_time,
         "gate_distance": race.judge.distance,
-        "rule": "clock" if race.judge.rule is Rule.CLOCK else "approach",
+        "rule": "clock" if race.judge.rule is GateRule.CLOCK else "approach",
         "floor": race.track.floor,
         "gates": pack(race.track.gate_positions),
-        "gate_times": pack(course.reference.gate_times),
-        "gate_segments": course.gate_segments.tolist(),
+        "gate_times": pack(scenario.reference.gate_times),
+        "gate_segments": scenario.gate_segments.tolist(),
         "pieces": pieces,
         "segment_names": [f"{i + 1} {kind}" for i, kind in enumerate(segments.segment_classes)],
-        "reference": _reference(course),
+        "reference": _reference(scenario),
         "limits": {"thrust": list(settings.thrust), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
         "arm": vehicle.arm,
         "layout": str(vehicle.layout),
     }
 
 
-def _reference(course: Course) -> dict[str, Any]:
+def _reference(scenario: Scenario) -> dict[str, Any]:
     """The planned rows."""
-    reference, planned = course.reference, course.reference.planned_rows
+    reference, planned = scenario.reference, scenario.reference.planned_rows
     rows = slice(0, planned, thin(planned).step)
     arrays = {name: getattr(reference, name)[rows] for name in ("position", "attitude", "thrust", "rates")}
     speed = np.linalg.norm(reference.velocity[rows], axis=1)

@@ -5,57 +5,57 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from hotlap.goal import Quantity
+from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.report.demonstration import BEST
 from hotlap.report.markup import element, facts, paragraph, table, text
-from hotlap.report.page.shown import Shown
-from hotlap.report.page.standing import Standing
+from hotlap.report.page.replay import Replay
 from hotlap.report.page.track_map import draw_track_map
 from hotlap.report.scene import Scene, stage
-from hotlap.result import Result
-from hotlap.validation import Validation, wilson_interval
+from hotlap.study.result import Result
+from hotlap.study.snapshot import Snapshot
+from hotlap.tuning.goal import Quantity
 
 
-def describe_still(standing: Standing, shown: Shown | None) -> str:
+def describe_still(snapshot: Snapshot, replay: Replay | None) -> str:
     """The same study as HTML.
 
     Args:
-        standing: of the study.
-        shown: what was flown again; None: nothing yet.
+        snapshot: of the study.
+        replay: what was flown again; None: nothing yet.
     """
-    scene = stage(standing.configuration.course) if shown is None else shown.scene
+    scene = stage(snapshot.configuration.scenario) if replay is None else replay.scene
     parts = [
-        element("h1", text(title_of(standing))),
-        paragraph(summary_of(standing)),
+        element("h1", text(title_of(snapshot))),
+        paragraph(summary_of(snapshot)),
         _figure(scene),
         element("h2", "Facts"),
-        facts(_facts(standing)),
-        *_tables(standing, shown),
+        facts(_facts(snapshot)),
+        *_tables(snapshot, replay),
         element("h2", "Run it again"),
-        element("pre", element("code", text(standing.command))),
+        element("pre", element("code", text(snapshot.command))),
     ]
     return "\n".join(parts)
 
 
-def title_of(standing: Standing) -> str:
+def title_of(snapshot: Snapshot) -> str:
     """Race and tuner."""
-    return f"{standing.configuration.course.race.name}: {standing.configuration.tuner}"
+    return f"{snapshot.configuration.scenario.race.name}: {snapshot.configuration.tuner}"
 
 
-def summary_of(standing: Standing) -> str:
+def summary_of(snapshot: Snapshot) -> str:
     """How the study stands, in a sentence or two."""
-    result = standing.result
+    result = snapshot.result
     if result is None:
         return "No flights yet."
-    where = "" if standing.finished else "The search is still running. "
-    return f"{where}{_verdict(result, standing)} {_held(result.validation)}".strip()
+    where = "" if snapshot.finished else "The search is still running. "
+    return f"{where}{_verdict(result, snapshot)} {_held(result.validation)}".strip()
 
 
-def _verdict(result: Result, standing: Standing) -> str:
+def _verdict(result: Result, snapshot: Snapshot) -> str:
     """Whether it worked."""
     gates = f"{100 * result.best.completion:.0f} % of the gates"
     lap = f", a lap of {result.best.lap_time:.2f} s" if math.isfinite(result.best.lap_time) else ""
-    if standing.configuration.settings.goal.quantity is Quantity.NONE:
+    if snapshot.configuration.settings.goal.quantity is Quantity.NONE:
         return f"{result.flights} flights; the best passed {gates}{lap}."
     if result.best.confirmed:
         return f"{result.goal} confirmed after {result.search_flights} search flights: {gates}{lap}."
@@ -82,15 +82,15 @@ def _figure(scene: Scene) -> str:
     return element("figure", draw_track_map(scene) + element("figcaption", text(words + crosses)))
 
 
-def _facts(standing: Standing) -> dict[str, object]:
+def _facts(snapshot: Snapshot) -> dict[str, object]:
     """Figures one by one."""
-    asked, result = standing.configuration, standing.result
-    race, settings = asked.course.race, asked.settings
+    asked, result = snapshot.configuration, snapshot.result
+    race, settings = asked.scenario.race, asked.settings
     return {
         "race": race.name,
         "vehicle": race.vehicle.name,
-        "the controller believes in": race.believed.name,
-        "planned lap": f"{asked.course.reference.lap_time:.2f} s",
+        "the controller believes in": race.control_model.name,
+        "planned lap": f"{asked.scenario.reference.lap_time:.2f} s",
         "goal": str(settings.goal),
         "seed": settings.seed,
         "flights": "" if result is None else f"{result.flights} of at most {settings.budget}, re-flights included",
@@ -101,27 +101,27 @@ def _facts(standing: Standing) -> dict[str, object]:
     }
 
 
-def _tables(standing: Standing, shown: Shown | None) -> Iterator[str]:
+def _tables(snapshot: Snapshot, replay: Replay | None) -> Iterator[str]:
     """What was tuned, and how it flies."""
-    yield element("h2", "What was tuned") + _parameters(standing)
-    if shown is None:
+    yield element("h2", "What was tuned") + _parameters(snapshot)
+    if replay is None:
         return
     yield element("h2", "How often it passes every gate") + table(
         ("", "flights", "complete"),
-        [(repeats.label, repeats.flights, share(repeats.complete, repeats.flights)) for repeats in shown.scene.repeats],
+        [(repeats.label, repeats.flights, share(repeats.complete, repeats.flights)) for repeats in replay.scene.repeats],
         numbers=(1,),
     )
-    if shown.holds:
-        rows = [(hold.change, share(hold.validation.successes, hold.validation.flights)) for hold in shown.holds]
-        yield element("h2", "Will it hold?") + table(("the truth is", "success"), rows)
+    if replay.holds:
+        rows = [(hold.change, share(hold.validation.successes, hold.validation.flights)) for hold in replay.holds]
+        yield element("h2", "Will it hold?") + table(("the vehicle is", "success"), rows)
 
 
-def _parameters(standing: Standing) -> str:
+def _parameters(snapshot: Snapshot) -> str:
     """From the first guess to the best, by segment."""
-    asked = standing.configuration
-    first, best, kinds = asked.first_guess, standing.best, asked.course.segments.segment_classes
+    asked = snapshot.configuration
+    first, best, kinds = asked.first_guess, snapshot.best, asked.scenario.segments.segment_classes
     rows = []
     for i, kind in enumerate(kinds):
         changes = (f"{a:.3g} → {b:.3g}" for a, b in zip(first[i].tolist(), best[i].tolist(), strict=True))
         rows.append((f"{i + 1} {kind}", *changes))
-    return table(("segment", *asked.course.space.names), rows, f"first guess → {BEST}")
+    return table(("segment", *asked.scenario.space.names), rows, f"first guess → {BEST}")

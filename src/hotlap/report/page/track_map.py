@@ -82,8 +82,8 @@ def _view(scene: Scene, place: _Place, name: str) -> str:
 
 def _coloured(scene: Scene, place: _Place) -> Iterator[str]:
     """The first flight, or the plan where there is none, in pieces of one colour each."""
-    shown = scene.traces[0] if scene.traces else None
-    position, speed = (scene.path, scene.reference.speeds) if shown is None else (shown.position, shown.speed)
+    replay = scene.traces[0] if scene.traces else None
+    position, speed = (scene.path, scene.reference.speeds) if replay is None else (replay.position, replay.speed)
     if len(position) < 2:
         return
     points = place.of(position)

@@ -6,16 +6,16 @@ from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
 
-from hotlap.analysis.hold import Hold
-from hotlap.errors import HotlapError
-from hotlap.files import replace
+from hotlap.analysis.robustness import Robustness
+from hotlap.core.errors import HotlapError
 from hotlap.report.markup import text
 from hotlap.report.page.document import describe
 from hotlap.report.page.encoding import write_json
-from hotlap.report.page.shown import Shown, show
-from hotlap.report.page.standing import Standing, read_standing
+from hotlap.report.page.replay import Replay, show
 from hotlap.report.page.still import describe_still, title_of
-from hotlap.study import Study
+from hotlap.study.snapshot import Snapshot, read_snapshot
+from hotlap.study.study import Study
+from hotlap.system.text_files import replace
 from hotlap.worlds.world import World
 
 REPORT = "report.html"
@@ -24,7 +24,7 @@ STILL = '<div id="static"></div>'
 DATA = '<script id="study-data" type="application/json"></script>'
 
 
-def write_report(study: Study, world: World, holds: tuple[Hold, ...] | None = None) -> Path:
+def write_report(study: Study, world: World, holds: tuple[Robustness, ...] | None = None) -> Path:
     """Write the page of a study into its folder; flies what it shows.
 
     Args:
@@ -38,16 +38,16 @@ def write_report(study: Study, world: World, holds: tuple[Hold, ...] | None = No
     Raises:
         InputError: when it cannot be written.
     """
-    standing = read_standing(study)
-    shown = show(standing.configuration, world, standing.best, holds)
-    path = standing.folder / REPORT
-    replace(path, render(standing, shown))
+    snapshot = read_snapshot(study)
+    replay = show(snapshot.configuration, world, snapshot.best, holds)
+    path = snapshot.folder / REPORT
+    replace(path, render(snapshot, replay))
     return path
 
 
-def render(standing: Standing, shown: Shown | None, *, live: bool = False) -> str:
+def render(snapshot: Snapshot, replay: Replay | None, *, live: bool = False) -> str:
     """The page as HTML."""
-    return fill(load_template(), title_of(standing), describe_still(standing, shown), describe(standing, shown, live=live))
+    return fill(load_template(), title_of(snapshot), describe_still(snapshot, replay), describe(snapshot, replay, live=live))
 
 
 def load_template() -> str:

@@ -1,0 +1,1 @@
+"""Core: what all packages use: errors, parameters and their bounds, records of flights, seeds, success rates."""

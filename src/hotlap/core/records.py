@@ -1,0 +1,148 @@
+"""Flights: what a batch of flights did. Scores: what it was worth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class End(IntEnum):
+    """How a flight ended."""
+
+    FINISHED = 0
+    MISSED = 1
+    CRASHED = 2
+
+
+@dataclass(frozen=True)
+class Log:
+    """The full record of one flight.
+
+    Attributes:
+        times: shape (steps,) [s].
+        states: shape (steps, 13): position, attitude, velocity (world), rates (body).
+        rotor_thrusts: shape (steps, 4) [N].
+        commands: shape (steps, 4): thrust per mass [m/s^2] and rates [rad/s] as the controller gave them.
+    """
+
+    times: Floats
+    states: Floats
+    rotor_thrusts: Floats
+    commands: Floats
+
+
+@dataclass(frozen=True)
+class Flights:
+    """What B flights over M gates did.
+
+    Attributes:
+        seeds: shape (B,).
+        gates_passed: shape (B,), consecutive from the first.
+        end: shape (B,) of `End`.
+        end_time: shape (B,) [s] of the last passed gate, the miss or the crash.
+        end_position: shape (B, 3) [m] (world) at that time.
+        lap_time: shape (B,) [s] at the last gate; NaN where it was not reached.
+        clock_distance: shape (B, M) [m] from each gate at the reference's time; NaN where the flight did not get there.
+        closest_distance: shape (B, M) [m] closest approach in the judge's window; NaN likewise.
+        closest_time: shape (B, M) [s] of the closest approach; NaN likewise.
+        mean_error, max_error: shape (B,) [m] distance from the clocked reference until the end.
+        gate_positions: shape (M, 3) [m] (world).
+        gate_times: shape (M,) [s] of the reference.
+        gate_segments: shape (M,) index of the segment that each gate lies in.
+        logs: full records by index in the batch, of the flights asked for.
+    """
+
+    seeds: NDArray[np.int64]
+    gates_passed: NDArray[np.int64]
+    end: NDArray[np.int64]
+    end_time: Floats
+    end_position: Floats
+    lap_time: Floats
+    clock_distance: Floats
+    closest_distance: Floats
+    closest_time: Floats
+    mean_error: Floats
+    max_error: Floats
+    gate_positions: Floats
+    gate_times: Floats
+    gate_segments: NDArray[np.int64]
+    logs: dict[int, Log]
+
+    def __len__(self) -> int:
+        """B, the number of flights."""
+        return len(self.seeds)
+
+
+@dataclass(frozen=True)
+class Scores:
+    """What B flights were worth.
+
+    Attributes:
+        cost: shape (B,), less is better: the metric m of the paper by default.
+        completion: shape (B,), gates passed / gates, 0 to 1.
+        failed_segment: shape (B,) segment of the first missed gate; -1 where all were passed.
+        gate_distance: shape (B, M) [m] as the rule measures it; NaN where the flight did not get there.
+        gate_miss: shape (B, M), logarithm of that distance over the judge's: below 0 where a gate was passed, NaN where the flight did not
+            get there; a tuner hears the mean over a candidate's flights that did; shape (B, 0) where the cost is not made of gates.
+        gate_segment: shape (B, M), the segment that each gate lies in; shape (B, 0) likewise.
+        mean_error, max_error: shape (B,) [m].
+        lap_time: shape (B,) [s] of complete flights; NaN for the others.
+        dense: shape (B,), less is better: a cost that tells how far every gate was missed, not only the first.
+    """
+
+    cost: Floats
+    completion: Floats
+    failed_segment: NDArray[np.int64]
+    gate_distance: Floats
+    gate_miss: Floats
+    gate_segment: NDArray[np.int64]
+    mean_error: Floats
+    max_error: Floats
+    lap_time: Floats
+    dense: Floats
+
+    def __len__(self) -> int:
+        """B, the number of flights."""
+        return len(self.cost)
+
+    def rows(self, rows: slice) -> Scores:
+        """The scores of some of the flights."""
+        return Scores(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    @staticmethod
+    def join(parts: Sequence[Scores]) -> Scores:
+        """The scores of one batch behind the other; at least one."""
+        return Scores(**{field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Scores)})
+
+    @staticmethod
+    def of_costs(costs: Floats) -> Scores:
+        """What a tuner needs to know of anything that is not a flight: costs of shape (B,), less is better; they name no segment."""
+        costs = np.asarray(costs, dtype=np.float64)
+        none = np.full(len(costs), np.nan)
+        return Scores(
+            cost=costs,
+            completion=np.zeros(len(costs)),
+            failed_segment=np.full(len(costs), -1),
+            gate_distance=np.empty((len(costs), 0)),
+            gate_miss=np.empty((len(costs), 0)),
+            gate_segment=np.empty((len(costs), 0), dtype=np.int64),
+            mean_error=none,
+            max_error=none,
+            lap_time=none,
+            dense=costs,
+        )
+
+    def with_costs(self, costs: Floats) -> Scores:
+        """The same flights with other costs, shape (B,), which are not made of gates."""
+        return replace(self, cost=costs, dense=costs, gate_miss=self.gate_miss[:, :0], gate_segment=self.gate_segment[:, :0])
+
+    @property
+    def complete(self) -> NDArray[np.bool_]:
+        """Shape (B,), whether every gate was passed."""
+        return self.completion >= 1.0

@@ -1,0 +1,1 @@
+"""Dynamics: the equations of motion, written once as CasADi expressions; their parameters, and their linearisation."""

@@ -1,0 +1,63 @@
+"""Export: tuned parameters in the files that other programs read; one file of code a format.
+
+Each format is a function `write(study, path) -> paths` that overwrites what is there, and loads what it needs when it is called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+from hotlap.core.errors import UnknownNameError
+from hotlap.study.study import Study
+
+
+@dataclass(frozen=True)
+class Format:
+    """A kind of file.
+
+    Attributes:
+        module: in this folder, that writes it.
+        file: its name in the study's folder, where no other is asked for.
+        finished: whether the study must have ended: it takes the result, not the flights.
+    """
+
+    module: str
+    file: str
+    finished: bool = True
+
+
+FORMATS: Mapping[str, Format] = {
+    "rpg_mpc": Format("rpg_mpc", "mpc.yaml"),
+    "acados": Format("acados", "acados_weights.json"),
+    "json": Format("plain_json", "parameters.json"),
+    "toml": Format("plain_toml", "parameters.toml"),
+    "csv": Format("plain_csv", "parameters.csv"),
+    "optuna": Format("optuna_study", "optuna.db", finished=False),
+}
+
+
+def export(study: Study, name: str, path: Path | None = None) -> tuple[Path, ...]:
+    """Write a study's parameters, or its flights, as others read them.
+
+    Args:
+        study: open to read.
+        name: of the format.
+        path: where; None: the format's own name in the study's folder.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        InputError: the format is unknown or cannot hold these parameters, the study has not ended, a file cannot be written.
+    """
+    if name not in FORMATS:
+        raise UnknownNameError("format", name, FORMATS, "--format")
+    chosen = FORMATS[name]
+    target = study.folder / chosen.file if path is None else path
+    return import_module(f"hotlap.exporters.{chosen.module}").write(study, target)
+
+
+__all__ = ["FORMATS", "Format", "export"]

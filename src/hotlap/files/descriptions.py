@@ -1,0 +1,313 @@
+"""Files: tracks, quadrotors, races and tuned parameters as TOML, in and out.
+
+This is the one place that reads what a user wrote, so that each fault is one line with the file, the key and the reason.
+A description may build on another (`base = "circle-34"`), and a race refers to its track and quadrotors by name, by path or
+by a table. Whatever is referred to is read and checked by itself first.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache
+from importlib.resources import files as package_files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.core.renamed import say_renamed
+from hotlap.files import toml_writer
+from hotlap.files.documented_keys import table_of
+from hotlap.files.error_messages import check, show
+from hotlap.files.parameters_file import SavedParameters
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.race import Race
+from hotlap.race.schema import Described
+from hotlap.race.track import Track
+from hotlap.system.text_files import cause_of, replace
+
+Description = Track | Quadrotor | Race
+
+PARAMETERS_FILE = "parameters.toml"  # in a study's folder
+MAX_BYTES = 1_000_000  # a description takes a few thousand
+OWN = frozenset({"name", "provenance"})  # keys that a file does not take over from its base
+
+
+class Kind(StrEnum):
+    """What a file describes."""
+
+    RACE = "race"
+    TRACK = "track"
+    QUADROTOR = "quadrotor"
+
+
+TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kind.QUADROTOR: Quadrotor}
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a table stands.
+
+    Attributes:
+        label: what messages call the file.
+        folder: where its relative paths start, None for built-in files.
+        chain: the files that are being read, outermost first.
+    """
+
+    label: str = ""
+    folder: Path | None = None
+    chain: tuple[str, ...] = ()
+
+
+@cache
+def names(kind: Kind) -> tuple[str, ...]:
+    """Names of the built-in descriptions of a kind, sorted."""
+    return tuple(sorted(entry.name.removesuffix(".toml") for entry in _data(kind).iterdir() if entry.name.endswith(".toml")))
+
+
+def load_track(name_or_path: str | Path) -> Track:
+    """A built-in track by name, or one from a TOML file.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    return _load(Kind.TRACK, str(name_or_path), _Place(), "")
+
+
+def load_quadrotor(name_or_path: str | Path) -> Quadrotor:
+    """A built-in quadrotor by name, or one from a TOML file.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    return _load(Kind.QUADROTOR, str(name_or_path), _Place(), "")
+
+
+def load_race(name_or_path: str | Path) -> Race:
+    """A built-in race by name, or one from a TOML file.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    return _load(Kind.RACE, str(name_or_path), _Place(), "")
+
+
+def load(name_or_path: str | Path) -> Description:
+    """A description of any kind: a file tells by its keys what it is; a name is looked up among races, tracks, quadrotors.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    text = str(name_or_path)
+    for kind in Kind:
+        if text in names(kind):
+            return _load(kind, text, _Place(), "")
+    everything = {name for kind in Kind for name in names(kind)}
+    table, _ = _open("race, track or quadrotor", text, everything, _Place(), "")
+    return _load(_kind_of(table, text), text, _Place(), "")
+
+
+def save(path: str | Path, description: Description) -> None:
+    """Write a description with everything that it refers to; reading it gives an equal one.
+
+    Raises:
+        InputError: when the file cannot be written.
+    """
+    replace(path, toml_writer.write(description.model_dump(mode="json", exclude_none=True)))
+
+
+def load_parameters(path: str | Path) -> SavedParameters:
+    """Tuned parameters from a file, or from the `parameters.toml` of a study's folder.
+
+    Raises:
+        InputError: with the file, the key and the reason.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = path / PARAMETERS_FILE
+    if not path.exists():
+        raise InputError(str(path), "", "there is no such file")
+    return SavedParameters.from_table(read(path, str(path)), str(path))
+
+
+def save_parameters(path: str | Path, parameters: SavedParameters) -> None:
+    """Write tuned parameters; reading them gives the same values bit for bit.
+
+    Raises:
+        InputError: when the file cannot be written.
+    """
+    head = f"# Tuned by hotlap for {parameters.race}; flown by: hotlap fly RACE --parameters THIS_FILE\n"
+    replace(path, head + toml_writer.write(parameters.to_table()))
+
+
+def read(path: Path | Traversable, label: str) -> dict[str, Any]:
+    """The table of a TOML file.
+
+    Args:
+        path: the file.
+        label: what messages call it.
+
+    Raises:
+        InputError: when it cannot be read, or is no TOML.
+    """
+    try:
+        if not path.is_file():
+            raise InputError(label, "", "is a folder, not a file" if path.is_dir() else "is not a file of text")
+        content = path.read_bytes() if not isinstance(path, Path) or path.stat().st_size <= MAX_BYTES else None
+        if content is None:
+            raise InputError(label, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is not a description")
+        return tomllib.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise InputError(label, "", f"is not UTF-8 text (byte {error.start + 1})") from None
+    except RecursionError:
+        raise InputError(label, "", "is not valid TOML: nested too deeply") from None
+    except OSError as error:
+        raise InputError(label, "", f"cannot be read: {cause_of(error)}") from None
+    except ValueError as error:
+        raise InputError(label, "", f"is not valid TOML: {error}") from None
+
+
+def _data(kind: Kind) -> Traversable:
+    return package_files("hotlap") / "data" / f"{Kind(kind)}s"
+
+
+def _load(kind: Kind, reference: str, place: _Place, key: str) -> Any:
+    """Read, complete and check the description that a name or path refers to."""
+    table, inner = _open(kind, reference, names(kind), place, key)
+    _refuse_other_kind(kind, table, inner.label)
+    base = table.pop("base", None)
+    parent = None if base is None else _refer(kind, base, inner, "base")
+    table.setdefault("name", Path(reference).stem if inner.folder else reference)
+    return _build(kind, table, parent, inner, "")
+
+
+def _open(kind: str, reference: str, known: Any, place: _Place, key: str) -> tuple[dict[str, Any], _Place]:
+    """The table that a name or path refers to, and where it stands."""
+    if kind in TYPES and reference in known:
+        label = f"built-in {kind} {reference}"
+        path, inner = _data(Kind(kind)) / f"{reference}.toml", _Place(label, None, (*place.chain, label))
+    else:
+        path = _find(kind, reference, known, place, key)
+        label = str(path)
+        inner = _Place(label, path.parent, (*place.chain, str(path.absolute().resolve())))
+    if inner.chain[-1] in place.chain:
+        raise InputError(place.label, key, f"{reference} refers back to itself: {' -> '.join(Path(name).name for name in inner.chain)}")
+    return read(path, label), inner
+
+
+def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Path:
+    """The file that a path refers to: from the folder of the file that says so, else from the working folder."""
+    try:
+        candidates = [Path(reference).expanduser()]
+        if place.folder is not None and not candidates[0].is_absolute():
+            candidates = list(dict.fromkeys([place.folder / candidates[0], candidates[0]]))
+        found = next((path for path in candidates if path.exists()), None)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(place.label, key, f"{show(reference)} is no usable path: {cause_of(error)}") from None
+    looks_like_path = "/" in reference or "\\" in reference or reference.endswith(".toml")
+    if found is not None and (looks_like_path or found.is_file()):
+        return found
+    if not looks_like_path:
+        if any(path.with_name(path.name + ".toml").is_file() for path in candidates if path.name):
+            raise InputError(place.label, key, f"there is no {kind} named '{reference}'; the file is {reference}.toml")
+        raise UnknownNameError(kind, reference, known, place.label, key)
+    if place.label:
+        raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}")
+    raise InputError(reference, "", "there is no such file")
+
+
+def _refer(kind: Kind, value: Any, place: _Place, key: str, inherited: Described | None = None) -> Described:
+    """A description written as a name, a path or a table; a table builds on its `base`, or on what is inherited."""
+    if isinstance(value, str):
+        return _load(kind, value, place, key)
+    if not isinstance(value, dict) or key == "base":
+        wanted = "a name or a path" if key.endswith("base") else "a name, a path or a table"
+        raise InputError(place.label, key, f"must be {wanted}, not {show(value)}")
+    table = dict(value)
+    parent = inherited
+    if "base" in table:
+        base = table.pop("base")
+        if not isinstance(base, str):
+            raise InputError(place.label, f"{key}.base", f"must be a name or a path, not {show(base)}")
+        parent = _load(kind, base, place, f"{key}.base")
+    if parent is None:
+        table.setdefault("name", key)
+    return _build(kind, table, parent, place, key)
+
+
+def _build(kind: Kind, table: dict[str, Any], parent: Described | None, place: _Place, key: str) -> Any:
+    """Check a table, completed by what it builds on."""
+    table = _with_present_names(TYPES[kind], table, place.label, key)
+    if kind is Kind.RACE:
+        table = _with_references(table, parent, place)
+    whole = _overlay(parent, table, OWN if not key else frozenset())
+    return check(TYPES[kind], whole, place.label, key)
+
+
+def _with_present_names(description: type[Described], table: dict[str, Any], label: str, key: str) -> dict[str, Any]:
+    """A table with what its keys are called now; says so where a name of before was used."""
+    present = {}
+    for name, value in table.items():
+        new, dotted = description.renamed.get(name, name), f"{key}.{name}" if key else name
+        if new != name:
+            say_renamed(dotted, new, label)
+        inner = table_of(description, new)
+        present[new] = _with_present_names(inner, value, label, dotted) if inner is not None and isinstance(value, dict) else value
+    return present
+
+
+def _with_references(table: dict[str, Any], parent: Any, place: _Place) -> dict[str, Any]:
+    """A race's table with its track and quadrotors in place of their names."""
+    table = dict(table)
+    for name, kind in (("track", Kind.TRACK), ("vehicle", Kind.QUADROTOR), ("model", Kind.QUADROTOR)):
+        if name in table:
+            table[name] = _refer(kind, table[name], place, name, getattr(parent, name, None))
+    planning = table.get("planning")
+    if isinstance(planning, dict) and "quadrotor" in planning:
+        inherited = parent.planning.quadrotor if parent is not None else None
+        quadrotor = _refer(Kind.QUADROTOR, planning["quadrotor"], place, "planning.quadrotor", inherited)
+        table["planning"] = {**planning, "quadrotor": quadrotor}
+    return table
+
+
+def _overlay(parent: Described | None, table: dict[str, Any], dropped: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """A table laid over a description: tables merge key by key, everything else replaces."""
+    if parent is None:
+        return table
+    merged = {name: getattr(parent, name) for name in parent.model_fields_set - dropped}
+    for key, value in table.items():
+        inherited = getattr(parent, key, None)
+        overlaid = isinstance(value, dict) and isinstance(inherited, Described)
+        merged[key] = _overlay(inherited, value) if overlaid else value
+    return merged
+
+
+def _own_keys(table: dict[str, Any]) -> dict[Kind, int]:
+    """How many keys a table has of each kind, without those that every kind has."""
+    shared = set.intersection(*(set(description.model_fields) for description in TYPES.values()))
+    return {kind: len((set(table) - shared) & set(description.model_fields)) for kind, description in TYPES.items()}
+
+
+def _refuse_other_kind(kind: Kind, table: dict[str, Any], label: str) -> None:
+    """Say so where a file describes something else than is wanted, before its keys are found fault with."""
+    counts = _own_keys(table)
+    other = max(counts, key=lambda each: counts[each])
+    if counts[other] and not counts[kind]:
+        hint = "; a race names its track and its vehicle: hotlap new race NAME" if kind is Kind.RACE else ""
+        raise InputError(label, "", f"describes a {other}, not a {kind}{hint}")
+
+
+def _kind_of(table: dict[str, Any], label: str) -> Kind:
+    """What a table describes, by the keys that only one kind has."""
+    counts = _own_keys(table)
+    best = max(counts, key=lambda kind: counts[kind])
+    if counts[best]:
+        return best
+    base = table.get("base")
+    for kind in Kind:
+        if isinstance(base, str) and base in names(kind):
+            return kind
+    raise InputError(label, "", "is neither a race (it has a track), a track (gates) nor a quadrotor (mass)")

@@ -1,0 +1,154 @@
+"""Words for what is wrong in a file: pydantic's findings, said the way a person would."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from hotlap.core.errors import InputError
+from hotlap.files.documented_keys import documented_keys, table_of
+from hotlap.files.toml_writer import write_value
+from hotlap.race.schema import Described
+
+Location = tuple[int | str, ...]
+
+D = TypeVar("D", bound=Described)
+
+_KEYED = re.compile(r"(?P<key>[A-Za-z_]\w*(?:\[\d+\])?(?:\.\w+)*): (?P<reason>.*)", re.DOTALL)
+
+_REASONS: dict[str, Callable[[dict[str, Any]], str]] = {
+    "greater_than": lambda context: f"must be greater than {context['gt']:g}",
+    "greater_than_equal": lambda context: f"must be at least {context['ge']:g}",
+    "less_than": lambda context: f"must be less than {context['lt']:g}",
+    "less_than_equal": lambda context: f"must be at most {context['le']:g}",
+    "finite_number": lambda _: "must be a finite number",
+    "float_type": lambda _: "must be a number",
+    "int_type": lambda _: "must be a whole number",
+    "int_from_float": lambda _: "must be a whole number",
+    "bool_type": lambda _: "must be true or false",
+    "string_type": lambda _: "must be text in quotation marks",
+    "string_too_short": lambda _: "must not be empty",
+    "tuple_type": lambda _: "must be a list in brackets",
+    "model_type": lambda _: "must be a table",
+    "dict_type": lambda _: "must be a table",
+    "enum": lambda context: f"must be {context['expected'].replace(chr(39), chr(34))}",
+}
+
+
+def check(description: type[D], table: Mapping[str, Any], source: str, prefix: str = "") -> D:
+    """A description from a file's table.
+
+    Args:
+        description: what the table should be.
+        table: what was read; descriptions may stand in it.
+        source: the file.
+        prefix: dotted key of the table within the file, or "" for the whole file.
+
+    Raises:
+        InputError: the first fault of the table, with its key, and how many more there are.
+    """
+    try:  # as JSON: strict about types, yet lists may stand for tuples and names for enumerations
+        return description.model_validate_json(json.dumps(table, default=_encode), strict=True)
+    except ValidationError as error:
+        raise _refuse(error, description, source, prefix) from None
+
+
+def unknown_key(name: str, available: Sequence[str]) -> str:
+    """What to say about a key that is not known."""
+    near = get_close_matches(name, available, n=1)
+    hint = f" (did you mean {near[0]}?)" if near else ""
+    return f"there is no such key{hint}; available: {', '.join(available)}"
+
+
+def show(value: Any) -> str:
+    """A value as it stands in the file, shortened."""
+    try:
+        text = write_value(value)
+    except (TypeError, ValueError, OverflowError):
+        text = str(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _encode(value: Any) -> Any:
+    """What JSON has no form for: descriptions, and TOML's dates as text."""
+    return value.model_dump(mode="json", exclude_unset=True) if isinstance(value, Described) else str(value)
+
+
+def _refuse(error: ValidationError, description: type[Described], source: str, prefix: str) -> InputError:
+    """The first fault in words, and how many more there are."""
+    faults: list[tuple[str, str]] = []
+    found = error.errors(include_url=False)
+    for fault in sorted(found, key=lambda fault: fault["type"] != "extra_forbidden"):  # a misspelt key explains a missing one
+        key, reason = _word(dict(fault), [other["loc"] for other in found], description)
+        if key not in {known for known, _ in faults} and not _follows(fault["loc"], fault["type"], found):
+            faults.append((key, reason))
+    key, reason = faults[0]
+    more = len(faults) - 1
+    also = f" (and {more} more fault{'s' if more > 1 else ''}: {', '.join(key for key, _ in faults[1:4])})" if more else ""
+    return InputError(source, ".".join(part for part in (prefix, key) if part), reason + also)
+
+
+def _write_location(location: Location) -> str:
+    """`("gates", 3, "position")` as `gates[3].position`."""
+    text = ""
+    for part in location:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def _word(fault: dict[str, Any], locations: list[Location], description: type[Described]) -> tuple[str, str]:
+    """Key and reason of one fault."""
+    kind, location, value, context = fault["type"], fault["loc"], fault["input"], fault.get("ctx", {})
+    if kind == "extra_forbidden":
+        owner = _owner(description, location)
+        available = [key.name for key in documented_keys(owner)] + ["base"] * ("name" in owner.model_fields)
+        return _write_location(location), unknown_key(str(location[-1]), available)
+    if kind == "missing":
+        return _missing(location, value, locations, description)
+    if kind == "too_short":
+        return _write_location(location), "must have at least one entry"
+    if kind == "too_long":
+        return _write_location(location), f"must have {context['max_length']} values, not {context['actual_length']}"
+    if kind == "value_error":
+        return _keyed(location, str(context["error"]))
+    worded = _REASONS.get(kind)
+    reason = worded(context) if worded else fault["msg"][:1].lower() + fault["msg"][1:]
+    return _write_location(location), f"{reason}, not {show(value)}"
+
+
+def _missing(location: Location, value: Any, locations: list[Location], description: type[Described]) -> tuple[str, str]:
+    """A required key that is not there, or a list that is too short."""
+    if isinstance(location[-1], int):
+        wanted = 1 + max(other[-1] for other in locations if other[:-1] == location[:-1] and isinstance(other[-1], int))
+        return _write_location(location[:-1]), f"must have {wanted} values, not {len(value)}"
+    key = next(key for key in documented_keys(_owner(description, location)) if key.name == location[-1])
+    meaning = " ".join(part for part in (f"[{key.unit}]" if key.unit else "", key.meaning) if part)
+    return _write_location(location), f"is missing; it is needed: {meaning}"
+
+
+def _keyed(location: Location, message: str) -> tuple[str, str]:
+    """A validator's message; one about a whole table begins with the key that it is about."""
+    match = _KEYED.fullmatch(message)
+    if match is None:
+        return _write_location(location), message
+    return ".".join(part for part in (_write_location(location), match["key"]) if part), match["reason"]
+
+
+def _owner(description: type[Described], location: Location) -> type[Described]:
+    """The description of the table that the last part of a location belongs to."""
+    for part in location[:-1]:
+        if isinstance(part, str):
+            description = table_of(description, part) or description
+    return description
+
+
+def _follows(location: Location, kind: str, found: Sequence[Any]) -> bool:
+    """Whether a fault is only the consequence of another: a default not worked out, a list short because its items are faulty."""
+    if kind == "default_factory_not_called":
+        return True
+    return kind == "too_short" and any(other["loc"][: len(location)] == location != other["loc"] for other in found)

@@ -1,0 +1,77 @@
+"""The control loop around a controller: what it sees, predicts and remembers; the same for every controller."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from hotlap.flight.compile import compiled_dynamics
+from hotlap.flight.job import Settings
+from hotlap.flight.lanes import number
+from hotlap.flight.numbers import INLINE, aligned_zeros
+
+
+class ControlLoop(NamedTuple):
+    """Memory of the control loop around the controller; raw floats (..., lanes), or numbers (...).
+
+    Attributes:
+        seen: (10,) state p q v as measured, then as predicted.
+        history: (H, 4) commands, the newest first.
+        shift: (1,) share of a node by which a plan moves on.
+        span: (1,) [s] of a prediction.
+        predicted: (10,) state after it.
+    """
+
+    seen: Any
+    history: Any
+    shift: Any
+    span: Any
+    predicted: Any
+
+
+def allocate_control_loop(commands: int, lanes: int, kind: type[np.floating[Any]]) -> ControlLoop:
+    """Raw memory, of one kind of float, for so many commands."""
+    sizes = ((10,), (commands, 4), (1,), (1,), (10,))
+    return ControlLoop(*(aligned_zeros((*size, lanes), kind) for size in sizes))
+
+
+@njit(**INLINE)
+def begin_control_loop(s: Settings, loop: ControlLoop, k: int) -> None:
+    """Set a lane up for a new flight: it has been hovering."""
+    loop.history[:, :, k] = 0
+    loop.history[:, 0, k] = s.gravity
+
+
+def predictor(propagate: Callable[..., None]) -> Any:
+    """With a model, the compiled (settings, constants of the model, loop): where the drone will be when the command acts.
+
+    It goes through the commands that are on their way.
+    """
+
+    @njit(**INLINE)
+    def predict(s: Settings, constants: Any, p: ControlLoop) -> None:
+        for n in range(s.predicted_periods, -1, -1):
+            duration = s.predicted_rest if n == s.predicted_periods else s.period
+            if duration > 0:
+                p.span[0] = number(p.seen[0], duration)
+                propagate(p.seen, p.history[n], p.span, constants, p.predicted)
+                for i in range(10):
+                    p.seen[i] = p.predicted[i]
+
+    return predict
+
+
+predict = predictor(compiled_dynamics("node_map"))
+
+
+@njit(**INLINE)
+def issue(p: ControlLoop, command: Any) -> None:
+    """Remember the command of this step."""
+    for n in range(len(p.history) - 1, 0, -1):
+        for a in range(4):
+            p.history[n, a] = p.history[n - 1, a]
+    for a in range(4):
+        p.history[0, a] = command[a]

@@ -1,0 +1,217 @@
+"""A batch of flights: a scenario, parameters and seeds in; what happened out."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.core.errors import HotlapError
+from hotlap.core.parameters import Parameters
+from hotlap.core.records import Flights, Log
+from hotlap.flight.job import LOG_COLUMNS, Job, Settings
+from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
+from hotlap.flight.kernel import fly_queue
+from hotlap.flight.numbers import Numbers
+from hotlap.flight.plant import autopilot_numbers, model_numbers, vehicle_numbers
+from hotlap.flight.segment_switch import mode_of
+from hotlap.race.controllers import TUNABLE
+from hotlap.race.race import PLANT_STEP, Race, ReferenceTime
+from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, vehicle_parameters_of
+from hotlap.reference.scenario import Scenario
+
+Floats = NDArray[np.float64]
+
+AFTERWARDS = 0.1  # s, that a log has room for behind the last decision
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Control steps that were computed: of all lanes, and of lanes that had a flight."""
+
+    lane_steps: int
+    useful_steps: int
+
+    @property
+    def useful_share(self) -> float:
+        """0 to 1."""
+        return self.useful_steps / self.lane_steps if self.lane_steps else 1.0
+
+
+def fly_batch(
+    scenario: Scenario,
+    parameters: Parameters,
+    seeds: NDArray[np.int64],
+    *,
+    numbers: Numbers,
+    threads: int = 0,
+    vehicle_parameters: Floats | None = None,
+    log: Sequence[int] = (),
+) -> tuple[Flights, Effort]:
+    """Fly; a flight's result depends on its scenario, parameters, seed and vehicle_parameters, and on the kind of number, alone.
+
+    Args:
+        scenario: what is flown.
+        parameters: shape (B, S, 5).
+        seeds: shape (B,).
+        numbers: what it is computed in.
+        threads: how many; 0 for one a processor.
+        vehicle_parameters: shape (B, P), the vehicle of each flight, in the columns of `vehicle_parameters.VEHICLE_PARAMETERS`.
+        log: indices in the batch of the flights to record in full.
+
+    Raises:
+        HotlapError: arrays that do not fit together, or parameters that are not positive.
+    """
+    job, gates = prepare(scenario, parameters, seeds, numbers, vehicle_parameters, log)
+    verdicts = new_verdicts(len(seeds), len(gates.times))
+    settings, kind = settings_of(scenario.race), scenario.race.controller.kind
+    crew = min(threads or os.cpu_count() or 1, -(-len(seeds) // numbers.lanes))
+    if crew <= 1:
+        effort = fly_queue(numbers, kind, job, settings, gates, verdicts)
+    else:
+        with ThreadPoolExecutor(crew) as pool:  # compiled code runs without the interpreter's lock
+            effort = sum(pool.map(lambda _: fly_queue(numbers, kind, job, settings, gates, verdicts), range(crew)))
+    lane_steps, useful_steps = np.asarray(effort).tolist()
+    return _record(scenario, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
+
+
+def settings_of(race: Race) -> Settings:
+    """The settings of a race as the flight core takes them."""
+    controller, noise, control_model = race.controller, race.noise, race.control_model
+    lead = control_model.delay if controller.predict else 0.0
+    settings = Settings(
+        nodes=controller.nodes,
+        sweeps=controller.sweeps,
+        stop_early=True,
+        period=controller.period,
+        steps=round(controller.period / PLANT_STEP),
+        plant_step=PLANT_STEP,
+        table_period=0.01,
+        lead=lead if controller.reference_time is ReferenceTime.EXECUTION else 0.0,
+        predicted_periods=0,
+        predicted_rest=0.0,
+        feed_forward=controller.feed_forward,
+        gravity=control_model.gravity,
+        segment_switch=mode_of(controller.segment_switch),
+        segment_switch_distance=controller.segment_switch_distance,
+        thrust_noise=noise.thrust,
+        rate_noise=noise.rates,
+        noise_memory=_memory(controller.period, noise.time),
+        thrust_bias=noise.thrust_bias,
+        position=noise.position,
+        velocity=noise.velocity,
+        attitude=noise.attitude,
+        measured_position=noise.measured_position,
+        measured_velocity=noise.measured_velocity,
+        measured_attitude=noise.measured_attitude,
+        wind=noise.wind,
+        wind_memory=_memory(controller.period, noise.wind_time),
+    )
+    return predicting(settings, lead)
+
+
+def predicting(settings: Settings, span: float) -> Settings:
+    """The same settings, with a prediction over so many seconds."""
+    periods = math.floor(span / settings.period + 1e-9)
+    rest = span - periods * settings.period
+    return settings._replace(predicted_periods=periods, predicted_rest=rest if rest > 1e-9 else 0.0)
+
+
+def prepare(
+    scenario: Scenario,
+    parameters: Parameters,
+    seeds: NDArray[np.int64],
+    numbers: Numbers,
+    vehicle_parameters: Floats | None,
+    log: Sequence[int],
+) -> tuple[Job, Gates]:
+    """A batch as the flight core takes it."""
+    race, reference, controller = scenario.race, scenario.reference, scenario.race.controller
+    _check(scenario, parameters, seeds, vehicle_parameters, log)
+    gates = gates_of(race.judge, race.track.gate_positions, reference.gate_times, race.track.floor)
+    given = vehicle_parameters_of(race.vehicle)[None] if vehicle_parameters is None else np.asarray(vehicle_parameters, dtype=np.float64)
+    vehicles = vehicle_numbers(given, race.vehicle.layout)
+    spaced = np.array(parameters, dtype=np.float64)
+    if TUNABLE[controller.kind].names[4:5] == ("horizon",):
+        spaced[..., 4] *= controller.horizon_unit / controller.nodes  # [s] between nodes
+    delay_steps = np.rint(given[:, VEHICLE_PARAMETERS.index("delay")] / PLANT_STEP).astype(np.int64)
+    in_period = round(controller.period / PLANT_STEP)
+    log_rows = np.full(len(seeds), -1, dtype=np.int64)
+    log_rows[list(log)] = np.arange(len(log))
+    last = reference.gate_times[-1] + (race.judge.window[1] if len(log) else 0.0) + AFTERWARDS
+    thrust, rates, lateral = controller.input_weights[0], controller.input_weights[1], controller.input_weights[2]
+    job = Job(
+        table=np.ascontiguousarray(reference.table, dtype=numbers.dtype),
+        row_pieces=scenario.segments.piece_at(reference.times),
+        piece_segments=np.array([piece.segment for piece in scenario.segments.pieces]),
+        piece_points=np.ascontiguousarray(reference.position_at(scenario.segments.starts)),
+        parameters=spaced,
+        seeds=np.ascontiguousarray(seeds, dtype=np.int64),
+        input_weights=np.array([thrust, rates, rates, lateral]),
+        low=np.array([controller.thrust[0], *(-rate for rate in controller.rates)]),
+        high=np.array([controller.thrust[1], *controller.rates]),
+        vehicles=vehicles,
+        delay_periods=delay_steps // in_period,
+        delay_steps=delay_steps % in_period,
+        autopilot=autopilot_numbers(race.control_model),
+        control_model=model_numbers(race.control_model),
+        log_rows=log_rows,
+        logs=np.zeros((len(log), math.ceil(last / controller.period) + 2, LOG_COLUMNS)),
+        queue=np.zeros(1, dtype=np.int64),
+    )
+    return job, gates
+
+
+def _check(
+    scenario: Scenario, parameters: Parameters, seeds: NDArray[np.int64], vehicle_parameters: Floats | None, log: Sequence[int]
+) -> None:
+    """Refuse what does not fit together: compiled code does not look."""
+    wanted = (len(seeds), len(scenario.segments), scenario.space.size)
+    if parameters.shape != wanted:
+        raise HotlapError(f"parameters must have shape (flights, segments, parameters) = {wanted}, not {parameters.shape}")
+    if not (np.isfinite(parameters) & (parameters > 0)).all():
+        raise HotlapError("parameters must be finite and positive")
+    if len(seeds) and (seeds.min() < 0 or seeds.max() >= 2**53):
+        raise HotlapError("seeds must not be negative, and stay below 2^53")
+    if vehicle_parameters is not None and len(vehicle_parameters) != len(seeds):
+        raise HotlapError(f"vehicle_parameters must have a row for each of {len(seeds)} flights, not {len(vehicle_parameters)}")
+    if len(set(log)) != len(log) or any(not 0 <= i < len(seeds) for i in log):
+        raise HotlapError(f"log must name flights of the batch, each once: 0 to {len(seeds) - 1}")
+
+
+def _memory(period: float, time: float) -> float:
+    """What is left of correlated noise after one period."""
+    return math.exp(-period / time) if time > 0 else 0.0
+
+
+def _record(scenario: Scenario, job: Job, gates: Gates, v: Verdicts, log: Sequence[int]) -> Flights:
+    """The judge's verdicts, and the logs, as a record."""
+    return Flights(
+        seeds=job.seeds,
+        gates_passed=v.gates_passed,
+        end=v.end,
+        end_time=v.end_time,
+        end_position=v.end_position,
+        lap_time=v.lap_time,
+        clock_distance=v.clock_distance,
+        closest_distance=v.closest_distance,
+        closest_time=v.closest_time,
+        mean_error=v.mean_error,
+        max_error=v.max_error,
+        gate_positions=gates.positions,
+        gate_times=gates.times,
+        gate_segments=scenario.gate_segments,
+        logs={i: _log(job.logs[k, : v.ticks[i] + 1], scenario.race.controller.period) for k, i in enumerate(log)},
+    )
+
+
+def _log(rows: Any, period: float) -> Log:
+    """One flight's log."""
+    times = np.arange(len(rows), dtype=np.float64) * period
+    return Log(times=times, states=rows[:, :13].copy(), rotor_thrusts=rows[:, 13:17].copy(), commands=rows[:, 17:].copy())

@@ -1,0 +1,230 @@
+"""Closed-loop flights: a queue of them flown by lanes that take the next one as soon as theirs has ended.
+
+Every control step is done on all lanes at once (controller, plant), and lane by lane (reference, noise, judge). A lane has its own
+clock, so that lanes may be at different times of different flights.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from hotlap.flight import noise
+from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
+from hotlap.flight.job import Job, Settings
+from hotlap.flight.judge import Gates, Verdicts, judge
+from hotlap.flight.kernel_cache import keep
+from hotlap.flight.lanes import as_numbers, borrow, take
+from hotlap.flight.numbers import COMPILE, INLINE, Numbers
+from hotlap.flight.plant import VehicleState, allocate_vehicle_state, fly_period
+from hotlap.flight.registry import CONTROLLERS
+from hotlap.flight.segment_switch import FRESH
+from hotlap.race.controllers import ControllerKind
+
+IDLE = -1
+
+
+class Lane(NamedTuple):
+    """What each lane is doing, raw.
+
+    Attributes:
+        flight: (lanes,) index in the batch, or IDLE.
+        tick: (lanes,) control steps since its start.
+        piece: (lanes,) of the reference that its parameters belong to.
+        chance: (7, lanes) correlated noise: thrust, rates, wind.
+    """
+
+    flight: Any
+    tick: Any
+    piece: Any
+    chance: Any
+
+
+def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
+    """Fly a queue to its end in this thread; others may do the same at the same time.
+
+    Returns:
+        Control steps of all lanes, and of lanes that flew, shape (2,).
+    """
+    lanes, real, effort = numbers.lanes, numbers.dtype, np.zeros(2, dtype=np.int64)
+    commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods) + 2
+    controller = CONTROLLERS[kind].allocate(settings.nodes, lanes, real)
+    memory = controller, allocate_control_loop(commands, lanes, real), allocate_vehicle_state(lanes, real)
+    flight, tick, piece = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
+    lane = Lane(flight, tick, piece, chance=np.zeros((7, lanes)))
+    worker(numbers, kind)(job, settings, gates, verdicts, *memory, lane, effort)
+    return effort
+
+
+@cache
+def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Callable[..., None]:
+    """The function that flies a queue to its end, for a kind of number and a controller; several threads may call it for one job.
+
+    Its arguments are those of `work` below; `effort` counts control steps of all lanes, and of lanes that flew, shape (2,).
+    """
+    width, lanes = numbers.width, numbers.lanes
+    begin, aim, control = CONTROLLERS[kind].begin, CONTROLLERS[kind].aim, CONTROLLERS[kind].control
+
+    def work(
+        job: Job,
+        s: Settings,
+        gates: Gates,
+        verdicts: Verdicts,
+        memory: Any,
+        loop: ControlLoop,
+        vehicle_state: VehicleState,
+        lane: Lane,
+        effort: np.ndarray,
+    ) -> None:
+        job, gates, verdicts = borrow(job), borrow(gates), borrow(verdicts)
+        memory, loop, vehicle_state, lane = borrow(memory), borrow(loop), borrow(vehicle_state), borrow(lane)
+        m, p, c = as_numbers(memory, width), as_numbers(loop, width), as_numbers(vehicle_state, width)
+        noisy = s.measured_position + s.measured_velocity + s.measured_attitude > 0
+        busy = 0
+        for k in range(lanes):
+            busy += _take_flight(job, s, loop, vehicle_state, lane, k)
+            begin(job, s, memory, k)
+        while busy > 0:
+            effort[0] += lanes
+            effort[1] += busy
+            for i in range(10):
+                p.seen[i] = c.state[i]
+            for k in range(lanes):
+                if lane.flight[k] != IDLE:
+                    if noisy:
+                        _mismeasure(job, s, loop, lane, k)
+                    lane.piece[k] = aim(job, s, memory, loop, k, lane.flight[k], lane.piece[k], lane.tick[k] * s.period, s.period)
+            control(s, m, p)
+            for k in range(lanes):
+                if lane.flight[k] != IDLE:
+                    _actuate(job, s, loop, vehicle_state, lane, k)
+            fly_period(c, s.steps)
+            for k in range(lanes):
+                if lane.flight[k] != IDLE and _rule(job, s, gates, verdicts, loop, vehicle_state, lane, k):
+                    busy += _take_flight(job, s, loop, vehicle_state, lane, k) - 1
+                    begin(job, s, memory, k)
+
+    return keep(njit(**COMPILE)(work), f"{kind}-{numbers}")
+
+
+@njit(**COMPILE)
+def _take_flight(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> int:
+    """Begin the next flight of the queue in a lane; 0 if there is none."""
+    i = take(job.queue)
+    if i >= len(job.seeds):
+        lane.flight[k] = IDLE
+        return 0
+    lane.flight[k], lane.tick[k], lane.piece[k] = i, 0, FRESH
+    vehicle, seed = min(i, len(job.vehicles) - 1), job.seeds[i]
+    for n in range(len(vehicle_state.vehicle)):
+        vehicle_state.vehicle[n, k] = job.vehicles[vehicle, n]
+    for n in range(len(vehicle_state.autopilot)):
+        vehicle_state.autopilot[n, k] = job.autopilot[n]
+    vehicle_state.older_steps[0, k], vehicle_state.step[0, k] = job.delay_steps[vehicle], s.plant_step
+    vehicle_state.disturbance[:, k] = 0
+    vehicle_state.disturbance[0, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS)
+    _place(job, s, vehicle_state, k, seed, job.vehicles[vehicle, 0])
+    begin_control_loop(s, loop, k)
+    lane.chance[:, k] = 0
+    vehicle_state.acting[:, k] = 0
+    vehicle_state.acting[0, k] = s.gravity
+    return 1
+
+
+@njit(**COMPILE)
+def _place(job: Job, s: Settings, vehicle_state: VehicleState, k: int, seed: int, mass: float) -> None:
+    """Put a lane's drone near the start of the reference, hovering."""
+    for i in range(10):
+        vehicle_state.state[i, k] = job.table[0, i]
+    for i in range(3):
+        vehicle_state.state[i, k] += s.position * noise.normal(seed, 0, noise.POSITION + i)
+        vehicle_state.state[7 + i, k] += s.velocity * noise.normal(seed, 0, noise.VELOCITY + i)
+        vehicle_state.state[4 + i, k] += s.attitude * noise.normal(seed, 0, noise.ATTITUDE + i)
+        vehicle_state.state[10 + i, k] = 0
+    norm = math.sqrt(
+        vehicle_state.state[3, k] ** 2 + vehicle_state.state[4, k] ** 2 + vehicle_state.state[5, k] ** 2 + vehicle_state.state[6, k] ** 2
+    )
+    for i in range(3, 7):
+        vehicle_state.state[i, k] /= norm
+    for i in range(13, 17):
+        vehicle_state.state[i, k] = math.sqrt(s.gravity * mass / 4)
+
+
+@njit(**INLINE)
+def _mismeasure(job: Job, s: Settings, loop: ControlLoop, lane: Lane, k: int) -> None:
+    """Add what sensors get wrong to the state that the controller sees."""
+    seed, step, seen = job.seeds[lane.flight[k]], lane.tick[k] + 1, loop.seen
+    for i in range(3):
+        seen[i, k] += s.measured_position * noise.normal(seed, step, noise.MEASURED + i)
+        seen[7 + i, k] += s.measured_velocity * noise.normal(seed, step, noise.MEASURED + 3 + i)
+        seen[4 + i, k] += s.measured_attitude * noise.normal(seed, step, noise.MEASURED + 6 + i)
+    norm = math.sqrt(seen[3, k] ** 2 + seen[4, k] ** 2 + seen[5, k] ** 2 + seen[6, k] ** 2)
+    for i in range(3, 7):
+        seen[i, k] /= norm
+
+
+@njit(**INLINE)
+def _actuate(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
+    """The command that acts from now on, with its noise, which is correlated from step to step; gusts; and the log."""
+    i, step = lane.flight[k], lane.tick[k] + 1
+    seed, delay = job.seeds[i], job.delay_periods[min(i, len(job.delay_periods) - 1)]
+    fresh = math.sqrt(1 - s.noise_memory**2)
+    for a in range(4):
+        lane.chance[a, k] = s.noise_memory * lane.chance[a, k] + fresh * noise.normal(seed, step, noise.THRUST + a)
+        vehicle_state.older[a, k], vehicle_state.acting[a, k] = vehicle_state.acting[a, k], loop.history[delay, a, k]
+    vehicle_state.acting[0, k] *= 1 + s.thrust_noise * lane.chance[0, k]
+    for a in range(1, 4):
+        vehicle_state.acting[a, k] += s.rate_noise * lane.chance[a, k]
+    if s.wind > 0:
+        fresh = math.sqrt(1 - s.wind_memory**2)
+        for a in range(3):
+            lane.chance[4 + a, k] = s.wind_memory * lane.chance[4 + a, k] + fresh * noise.normal(seed, step, noise.WIND + a)
+            vehicle_state.disturbance[1 + a, k] = s.wind * lane.chance[4 + a, k]
+    _log(job, loop, vehicle_state, lane, k)
+
+
+@njit(**INLINE)
+def _log(job: Job, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
+    """Keep state and command of a flight that is logged."""
+    row, tick = job.log_rows[lane.flight[k]], lane.tick[k]
+    if row >= 0:
+        for n in range(13):
+            job.logs[row, tick, n] = vehicle_state.state[n, k]
+        for n in range(4):
+            job.logs[row, tick, 13 + n] = vehicle_state.state[13 + n, k] ** 2
+            job.logs[row, tick, 17 + n] = loop.history[0, n, k]
+
+
+@njit(**INLINE)
+def _rule(
+    job: Job, s: Settings, gates: Gates, verdicts: Verdicts, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int
+) -> bool:
+    """Judge the period that a lane has flown; whether its flight is over."""
+    start = lane.tick[k] * s.period
+    lane.tick[k] += 1
+    time = lane.tick[k] * s.period
+    place = time / s.table_period
+    row = min(int(place), len(job.table) - 2)
+    share = min(place - row, 1.0)
+    reference = (
+        job.table[row, 0] + share * (job.table[row + 1, 0] - job.table[row, 0]),
+        job.table[row, 1] + share * (job.table[row + 1, 1] - job.table[row, 1]),
+        job.table[row, 2] + share * (job.table[row + 1, 2] - job.table[row, 2]),
+    )
+    before, now = _position(vehicle_state.before, k), _position(vehicle_state.state, k)
+    fastest = max(abs(float(vehicle_state.state[10, k])), abs(float(vehicle_state.state[11, k])), abs(float(vehicle_state.state[12, k])))
+    over = judge(verdicts, lane.flight[k], gates, start, before, time, now, reference, fastest)
+    if over:
+        _log(job, loop, vehicle_state, lane, k)
+    return over
+
+
+@njit(**INLINE)
+def _position(state: np.ndarray, k: int) -> Any:
+    return (float(state[0, k]), float(state[1, k]), float(state[2, k]))

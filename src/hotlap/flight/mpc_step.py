@@ -1,0 +1,110 @@
+"""A control step of the model-predictive controller: where the drone is and what it is asked to track in, a command out.
+
+`aim` is done lane by lane on raw memory, `control` on all lanes at once. The same functions fly in the simulation and in `Controller`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+
+from hotlap.flight.control_loop import ControlLoop, issue, predict
+from hotlap.flight.job import Job, Settings
+from hotlap.flight.mpc import Mpc, solve
+from hotlap.flight.mpc_reference import hover_inputs, plan_as_reference, read_reference, respace_plan
+from hotlap.flight.numbers import INLINE
+from hotlap.flight.segment_switch import BY_NODE, FRESH, piece_at, piece_flown
+
+
+@njit(**INLINE)
+def begin_control(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
+    """Set a lane up for a new flight."""
+    for n in range(4):
+        mpc.input_weights[n, k], mpc.low[n, k], mpc.high[n, k] = job.input_weights[n], job.low[n], job.high[n]
+    mpc.constants[0, k] = s.gravity
+
+
+@njit(**INLINE)
+def aim(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, k: int, flight: int, before: int, time: float, elapsed: float) -> int:
+    """Reference and weights of a lane's control step, and how its plan moves on.
+
+    Args:
+        job: whose reference and parameters.
+        s: settings.
+        mpc: raw memory, of which the lane's is written.
+        loop: likewise.
+        k: the lane.
+        flight: whose parameters.
+        before: piece of the step before, or FRESH.
+        time: [s] of the flight.
+        elapsed: [s] since the step before.
+
+    Returns:
+        The piece that the parameters belong to.
+    """
+    ahead = time + s.lead
+    piece = piece_flown(job, s, loop.seen, k, before, ahead)
+    segment = job.piece_segments[piece]
+    spacing = job.parameters[flight, segment, 4]
+    read_reference(mpc, k, job.table, s.table_period, ahead, spacing)
+    if not s.feed_forward:
+        hover_inputs(mpc, k, s.gravity)
+    loop.shift[0, k] = 0
+    if before != FRESH and job.piece_segments[before] == segment:
+        loop.shift[0, k] = min(elapsed / spacing, 1.0)
+    else:
+        if before == FRESH:
+            plan_as_reference(mpc, k)
+        else:
+            respace_plan(mpc, k, job.parameters[flight, job.piece_segments[before], 4], spacing, elapsed)
+        for n in range(len(mpc.weights)):
+            for i in range(4):
+                mpc.weights[n, i, k] = job.parameters[flight, segment, i]
+        mpc.spacing[0, k] = spacing
+    if s.segment_switch == BY_NODE:
+        for n in range(len(mpc.weights)):
+            segment = job.piece_segments[piece_at(job.row_pieces, s.table_period, ahead + n * spacing)]
+            for i in range(4):
+                mpc.weights[n, i, k] = job.parameters[flight, segment, i]
+    return piece
+
+
+@njit(**INLINE)
+def move_plan(m: Mpc, p: ControlLoop) -> None:
+    """The warm start on all lanes: the plan moves on with time."""
+    for n in range(len(m.U)):
+        for i in range(10):
+            m.X[n, i] += p.shift[0] * (m.X[n + 1, i] - m.X[n, i])
+    for n in range(len(m.U) - 1):
+        for a in range(4):
+            m.U[n, a] += p.shift[0] * (m.U[n + 1, a] - m.U[n, a])
+
+
+def controls(predict: Any, solve: Any) -> tuple[Any, Any]:
+    """With a model's predictor and solver, two compiled functions of (settings, memory, loop) on all lanes.
+
+    Returns:
+        The plan that a control step begins with, from the state seen as it will be when the command acts; and the whole step, from
+        the state seen to the command, `history[0]`.
+    """
+
+    @njit(**INLINE)
+    def begin_plan(s: Settings, m: Mpc, p: ControlLoop) -> None:
+        """Move the last plan on, and begin it at the state predicted."""
+        move_plan(m, p)
+        predict(s, m.constants, p)
+        for i in range(10):
+            m.X[0, i] = p.seen[i]
+
+    @njit(**INLINE)
+    def control(s: Settings, m: Mpc, p: ControlLoop) -> None:
+        """The whole step."""
+        begin_plan(s, m, p)
+        solve(m, s.sweeps, s.stop_early)
+        issue(p, m.U[0])
+
+    return begin_plan, control
+
+
+begin_plan, control = controls(predict, solve)

@@ -1,0 +1,148 @@
+"""Quadrotor: what flies, as numbers; and every convention of hotlap in one place.
+
+Conventions
+    World frame: x forward, y left, z up; gravity along -z. Body frame: x forward, y left, z up.
+    Attitude: unit quaternion (w, x, y, z), body to world: v_world = q o v_body o conj(q).
+    Units: SI, radians. Body rates in the body frame.
+    Rotors: four, thrust along body +z. RotorLayout x: 0 front left, 1 front right, 2 back right, 3 back left;
+    layout plus: 0 front, 1 left, 2 back, 3 right.
+    Command of a controller: collective thrust per mass [m/s^2] and three body rates [rad/s].
+"""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator, model_validator
+
+from hotlap.race.schema import Described, NotNegative, Positive
+
+GRAVITY = 9.81  # m/s^2
+
+
+class RotorLayout(StrEnum):
+    """Where the rotors sit: on the diagonals, or on the axes."""
+
+    X = "x"
+    PLUS = "plus"
+
+
+class Quadrotor(Described):
+    """A quadrotor, its rate loop included.
+
+    Attributes:
+        name: what it is called.
+        mass: [kg] ready to fly, battery included.
+        inertia: [kg m^2] (body) principal moments.
+        arm: [m] distance of a rotor from the centre of mass.
+        layout: where the rotors sit.
+        rotor_thrust: [N] least and largest thrust of one rotor.
+        torque_ratio: [m] yaw torque over thrust of a rotor.
+        motor_time: [s] time constant of rotor speed, up and down.
+        drag: [1/s] (body) linear drag per mass.
+        rotor_drag: [N^0.5 s/m] in-plane drag: force = -rotor_drag * sum sqrt(thrust) * v_body_xy (RotorS).
+        body_drag: [N s^2/m^2] (body) quadratic drag: force = -body_drag v |v| along each axis.
+        rate_gain: [1/s] (body) proportional gain of the rate loop.
+        torque_damping: [-] share of the present torque that the rate loop subtracts (RotorS's second gain).
+        rate_limit: [rad/s] (body) rates that a plan may ask for.
+        delay: [s] dead time from command to rotors.
+        gravity: [m/s^2] downward acceleration.
+        provenance: where the numbers come from.
+    """
+
+    name: str = Field(min_length=1)
+    mass: Positive
+    inertia: tuple[Positive, Positive, Positive]
+    arm: Positive
+    layout: RotorLayout = RotorLayout.X
+    rotor_thrust: tuple[NotNegative, Positive]
+    torque_ratio: Positive
+    motor_time: tuple[NotNegative, NotNegative] = (0.02, 0.04)
+    drag: tuple[NotNegative, NotNegative, NotNegative] = (0.0, 0.0, 0.0)
+    rotor_drag: NotNegative = 0.0
+    body_drag: tuple[NotNegative, NotNegative, NotNegative] = (0.0, 0.0, 0.0)
+    rate_gain: tuple[Positive, Positive, Positive] = (20.0, 20.0, 8.0)
+    torque_damping: NotNegative = 0.0
+    rate_limit: tuple[Positive, Positive, NotNegative] = (10.0, 10.0, 3.0)
+    delay: float = Field(default=0.0, ge=0.0, le=0.25)
+    gravity: Positive = GRAVITY
+    provenance: str = ""
+
+    @field_validator("mass")
+    @classmethod
+    def _kilograms(cls, mass: float) -> float:
+        if mass > 100:
+            raise ValueError(f"{mass:g} kg is no quadrotor; mass is in kilograms (did you mean {mass / 1000:g}?)")
+        return mass
+
+    @field_validator("arm")
+    @classmethod
+    def _metres(cls, arm: float) -> float:
+        if arm > 3:
+            raise ValueError(f"{arm:g} m is no quadrotor; arm is in metres (did you mean {arm / 1000:g}?)")
+        return arm
+
+    @field_validator("motor_time")
+    @classmethod
+    def _seconds(cls, motor_time: tuple[float, float]) -> tuple[float, float]:
+        if max(motor_time) > 1:
+            raise ValueError(f"{max(motor_time):g} s is no motor; motor_time is in seconds")
+        return motor_time
+
+    @model_validator(mode="after")
+    def _possible(self) -> Quadrotor:
+        smallest, middle, largest = sorted(self.inertia)
+        if largest > (smallest + middle) * (1 + 1e-9):
+            raise ValueError(f"inertia: no body has {list(self.inertia)}: the largest moment exceeds the sum of the other two")
+        if largest > self.mass * 10 * self.arm**2:
+            raise ValueError(f"inertia: {largest:g} kg m^2 is too much for {self.mass:g} kg on an arm of {self.arm:g} m")
+        if self.rotor_thrust[0] >= self.rotor_thrust[1]:
+            raise ValueError("rotor_thrust: the least thrust is not below the largest")
+        if self.thrust_to_weight <= 1:
+            raise ValueError(
+                f"rotor_thrust: cannot hover, thrust-to-weight is {self.thrust_to_weight:.2f} (rotor_thrust is in newtons a rotor)"
+            )
+        if self.thrust_to_weight > 50:
+            raise ValueError(f"rotor_thrust: thrust-to-weight of {self.thrust_to_weight:.0f} (rotor_thrust: N a rotor, mass: kg)")
+        return self
+
+    @property
+    def thrust_to_weight(self) -> float:
+        """Largest collective thrust over weight [-]."""
+        return 4 * self.rotor_thrust[1] / (self.mass * self.gravity)
+
+    @property
+    def max_acceleration(self) -> float:
+        """Largest collective thrust per mass [m/s^2]."""
+        return 4 * self.rotor_thrust[1] / self.mass
+
+    @property
+    def torque_matrix(self) -> NDArray[np.float64]:
+        """Torque (body) of each rotor per newton of thrust, shape (3, 4) [m]."""
+        return torque_matrix(self.layout, self.arm, self.torque_ratio)
+
+    @property
+    def inertia_vector(self) -> NDArray[np.float64]:
+        """Principal moments, shape (3,) [kg m^2]."""
+        return np.array(self.inertia)
+
+
+def torque_matrix(layout: RotorLayout, arm: float, torque_ratio: float) -> NDArray[np.float64]:
+    """Torque (body) of each rotor per newton of thrust: a rotor at (x, y) makes a roll torque of y and a pitch torque of -x.
+
+    Args:
+        layout: where the rotors sit.
+        arm: [m] distance from the centre of mass.
+        torque_ratio: [m] yaw torque over thrust.
+
+    Returns:
+        Shape (3, 4) [m].
+    """
+    spin = torque_ratio
+    if layout is RotorLayout.X:
+        lever = arm * math.sqrt(0.5)
+        return np.array([[lever, -lever, -lever, lever], [-lever, -lever, lever, lever], [spin, -spin, spin, -spin]])
+    return np.array([[0, arm, 0, -arm], [-arm, 0, arm, 0], [-spin, spin, -spin, spin]])

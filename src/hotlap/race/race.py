@@ -1,0 +1,263 @@
+"""Race: a track, the vehicle that flies it, and everything that decides how the flight is controlled and judged."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Any, ClassVar
+
+from pydantic import Field, model_validator
+
+from hotlap.race.controllers import TUNABLE, ControllerKind
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.schema import Described, NotNegative, Positive
+from hotlap.race.track import Track
+
+
+class Ramp(Described):
+    """Limits of a plan that grow over the first metres (rpg_time_optimal's thrust and rate ramp).
+
+    Attributes:
+        distance: [m] along the waypoints until the limits are full.
+        thrust_to_weight: [-] at the start.
+        rate: [rad/s] roll and pitch rate at the start.
+    """
+
+    distance: Positive
+    thrust_to_weight: float = Field(gt=1)
+    rate: Positive
+
+
+class PlanningSettings(Described):
+    """What the planner may use.
+
+    Attributes:
+        quadrotor: the planning model. None: the vehicle with `thrust_share` of its thrust.
+        thrust_share: [-] share of the vehicle's rotor thrust left to the plan where no `quadrotor` is given.
+        v_max: [m/s] terminal speed of the planner's linear drag at full thrust in level flight. None: the quadrotor's own drag.
+        tolerance: [m] how far from a waypoint the plan may pass.
+        nodes: shooting intervals between two waypoints.
+        ramp: limits that grow over the first metres. None: full from the start.
+        floor: [m] height below which the plan does not go. None: the track's floor.
+    """
+
+    quadrotor: Quadrotor | None = None
+    thrust_share: float = Field(default=0.75, gt=0, le=1)
+    v_max: float | None = Field(default=None, gt=0, le=200)
+    tolerance: float = Field(default=0.2, gt=0, le=5)
+    nodes: int = Field(default=12, ge=4, le=100)
+    ramp: Ramp | None = None
+    floor: float | None = None
+
+
+class ReferenceTime(StrEnum):
+    """The moment at which a predicting controller reads its reference."""
+
+    EXECUTION = "execution"
+    NOW = "now"
+
+
+def _of_kind(values: dict[str, Any], name: str) -> tuple[float, ...]:
+    """Bounds or defaults of the controller's kind."""
+    return getattr(TUNABLE[values.get("kind", ControllerKind.MPC)], name)
+
+
+class SegmentSwitch(StrEnum):
+    """From when on the controller takes the parameters of the next segment.
+
+    TIME: when the reference enters it, for the whole horizon.
+    NODE: each node of the horizon has the weights of the segment that the reference is in at that node; the horizon itself as for TIME.
+    DISTANCE: when the drone comes close to the point at which the reference enters it, for the whole horizon, as in the released code.
+    """
+
+    TIME = "time"
+    NODE = "node"
+    DISTANCE = "distance"
+
+
+class ControllerSettings(Described):
+    """Settings of the controller that are not tuned (Eq. 3 of the paper).
+
+    Attributes:
+        kind: which controller flies.
+        nodes: N, intervals of the horizon.
+        period: [s] of the control loop.
+        sweeps: box-constrained Riccati sweeps per control step.
+        thrust: [m/s^2] least and largest collective thrust per mass.
+        rates: [rad/s] largest body rates (symmetric bounds).
+        input_weights: R of thrust, roll and pitch rate, yaw rate.
+        horizon_unit: [s] time that a horizon parameter of 1 stands for.
+        feed_forward: take the reference's inputs as the inputs to stay close to (else hover).
+        predict: predict the state over the model's dead time.
+        reference_time: what a predicting controller compares with: the reference when the command acts, or now.
+        segment_switch: from when on it takes the parameters of the next segment.
+        segment_switch_distance: [m] how close is close, for the segment_switch "distance".
+        low: least values of what is tuned: Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon; or of what another kind has.
+        high: largest values of the same.
+        default: first values of the same.
+    """
+
+    renamed: ClassVar[Mapping[str, str]] = {"handover": "segment_switch", "handover_distance": "segment_switch_distance"}
+
+    kind: ControllerKind = ControllerKind.MPC
+    nodes: int = Field(default=20, ge=2, le=100)
+    period: float = Field(default=0.01, gt=0, le=0.1)
+    sweeps: int = Field(default=2, ge=1, le=10)
+    thrust: tuple[NotNegative, Positive] = (0.1, 20.0)
+    rates: tuple[Positive, Positive, Positive] = (10.0, 10.0, 3.0)
+    input_weights: tuple[Positive, Positive, Positive] = (1.0, 1.0, 1.0)
+    horizon_unit: Positive = 0.5
+    feed_forward: bool = True
+    predict: bool = True
+    reference_time: ReferenceTime = ReferenceTime.EXECUTION
+    segment_switch: SegmentSwitch = SegmentSwitch.TIME
+    segment_switch_distance: Positive = 6.0
+    low: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "low"))
+    high: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "high"))
+    default: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "default"))
+
+    @model_validator(mode="after")
+    def _ordered(self) -> ControllerSettings:
+        if self.thrust[0] >= self.thrust[1]:
+            raise ValueError("thrust: the least is not below the largest")
+        steps = self.period / PLANT_STEP
+        if abs(steps - round(steps)) > 1e-6:
+            raise ValueError(f"period: a multiple of the plant's step of {PLANT_STEP * 1e3:g} ms, not {self.period * 1e3:g} ms")
+        names = TUNABLE[self.kind].names
+        for key, values in (("low", self.low), ("high", self.high), ("default", self.default)):
+            if len(values) != len(names):
+                raise ValueError(f"{key}: must have {len(names)} values ({', '.join(names)}), not {len(values)}")
+        for i, (low, value, high) in enumerate(zip(self.low, self.default, self.high, strict=True)):
+            if low >= high:
+                raise ValueError(f"low[{i}]: {low:g} is not below high[{i}] = {high:g}")
+            if not low <= value <= high:
+                raise ValueError(f"default[{i}]: {value:g} is not within its bounds [{low:g}, {high:g}]")
+        return self
+
+
+PLANT_STEP = 0.0025  # s, of the built-in plant
+
+
+class NoiseSettings(Described):
+    """Standard deviations of what differs from flight to flight.
+
+    Attributes:
+        thrust: [-] relative actuation noise, correlated over `time`.
+        rates: [rad/s] actuation noise of the body rates, correlated over `time`.
+        time: [s] correlation time of the actuation noise.
+        thrust_bias: [-] relative thrust error, constant over a flight.
+        position: [m] of the initial state.
+        velocity: [m/s] of the initial state.
+        attitude: [-] of the initial state, quaternion parts.
+        measured_position: [m] of the state that the controller sees, white.
+        measured_velocity: [m/s] likewise.
+        measured_attitude: [-] likewise, quaternion parts.
+        wind: [m/s^2] (world) acceleration by gusts, correlated over `wind_time`.
+        wind_time: [s] correlation time of the gusts.
+    """
+
+    thrust: NotNegative = 0.02
+    rates: NotNegative = 0.1
+    time: NotNegative = 0.1
+    thrust_bias: NotNegative = 0.01
+    position: NotNegative = 0.05
+    velocity: NotNegative = 0.05
+    attitude: NotNegative = 0.01
+    measured_position: NotNegative = 0.0
+    measured_velocity: NotNegative = 0.0
+    measured_attitude: NotNegative = 0.0
+    wind: NotNegative = 0.0
+    wind_time: Positive = 1.0
+
+
+class GateRule(StrEnum):
+    """When a gate counts as passed.
+
+    CLOCK: close enough at the time at which the reference passes it (the paper, Eq. 6).
+    CLOSEST: close enough at some time in a window around it.
+    RELEASED: the released code's: closest approach over the whole flight, last gate unchecked.
+    """
+
+    CLOCK = "clock"
+    CLOSEST = "closest"
+    RELEASED = "released"
+
+
+def _gate_distance(values: dict[str, Any]) -> float:
+    """[m] The paper's 1.3 (below Eq. 6), or the released code's 1.2."""
+    return 1.2 if values.get("rule") == GateRule.RELEASED else 1.3
+
+
+class JudgeSettings(Described):
+    """How a flight is judged.
+
+    Attributes:
+        rule: when a gate counts as passed.
+        distance: [m] how close is close enough; default 1.3, 1.2 for the rule "released".
+        crash: [m] distance from the clocked reference beyond which the drone has crashed.
+        window: [s] before and after the reference's passage, for the rule "closest".
+        rate_crash: [rad/s] body rate beyond which the drone has crashed.
+        fly_on: go on after a missed gate until the crash or the end (for dense scores).
+    """
+
+    rule: GateRule = GateRule.CLOCK
+    distance: float = Field(default_factory=_gate_distance, gt=0, le=20)
+    crash: float = Field(default=10.0, gt=0, le=1000)
+    window: tuple[NotNegative, NotNegative] = (1.0, 2.0)
+    rate_crash: float = Field(default=60.0, gt=0)
+    fly_on: bool = False
+
+
+class Race(Described):
+    """Everything that a flight depends on, apart from parameters and seed.
+
+    Attributes:
+        name: what it is called.
+        track: what is flown.
+        vehicle: the quadrotor that flies it.
+        model: what controller and planner believe about the vehicle. None: the vehicle.
+        planning: what the planner may use.
+        controller: settings of the controller that are not tuned.
+        noise: what differs from flight to flight.
+        judge: how a flight is judged.
+        provenance: where the settings come from.
+    """
+
+    name: str = Field(min_length=1)
+    track: Track
+    vehicle: Quadrotor
+    model: Quadrotor | None = None
+    planning: PlanningSettings = PlanningSettings()
+    controller: ControllerSettings = ControllerSettings()
+    noise: NoiseSettings = NoiseSettings()
+    judge: JudgeSettings = JudgeSettings()
+    provenance: str = ""
+
+    def with_controller(self, kind: ControllerKind) -> Race:
+        """The same race flown by another controller, with the bounds and defaults of its kind."""
+        kept = self.controller.model_dump(exclude={"kind", "low", "high", "default"})
+        settings = self.controller if kind is self.controller.kind else ControllerSettings(kind=kind, **kept)
+        return self.model_copy(update={"controller": settings})
+
+    @property
+    def control_model(self) -> Quadrotor:
+        """What the controller takes the vehicle for."""
+        return self.model or self.vehicle
+
+    @property
+    def planning_model(self) -> Quadrotor:
+        """The quadrotor that the plan is made for."""
+        if self.planning.quadrotor is not None:
+            return self.planning.quadrotor
+        low, high = self.control_model.rotor_thrust
+        high = min(self.planning.thrust_share * high, 0.95 * self.controller.thrust[1] * self.control_model.mass / 4)
+        return self.control_model.model_copy(update={"rotor_thrust": (min(low, 0.5 * high), high)})
+
+    @property
+    def planning_drag(self) -> float:
+        """[1/s] linear drag of the planning model, isotropic (rpg_time_optimal's c_d where v_max is given)."""
+        if self.planning.v_max is None:
+            return sum(self.planning_model.drag) / 3
+        level = math.sqrt(max(self.planning_model.max_acceleration**2 - self.planning_model.gravity**2, 0.0))
+        return level / self.planning.v_max

@@ -1,0 +1,32 @@
+"""What everything that can be written as TOML shares: frozen, checked, unknown keys refused."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Vector3 = tuple[float, float, float]
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+
+
+class Described(BaseModel):
+    """A frozen description with checked keys; NaN and infinity are refused.
+
+    Attributes:
+        renamed: keys of before, which files may still use, and what they are called now.
+    """
+
+    renamed: ClassVar[Mapping[str, str]] = {}
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @property
+    def fingerprint(self) -> str:
+        """Sixteen hexadecimal digits that change whenever a value changes."""
+        text = json.dumps(self.model_dump(mode="json"), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -1,0 +1,40 @@
+"""Scenario: a race made ready to fly, with its reference, its segments and the controller's parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.core.parameters import ParameterSpace
+from hotlap.race.controllers import space_of
+from hotlap.race.race import Race
+from hotlap.reference.reference import Reference
+from hotlap.reference.segmentation import Segments
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What a world flies.
+
+    Attributes:
+        race: track, vehicle and settings.
+        reference: what is to be followed.
+        segments: its parts that have parameters of their own.
+    """
+
+    race: Race
+    reference: Reference
+    segments: Segments
+
+    @property
+    def space(self) -> ParameterSpace:
+        """What can be tuned, per segment."""
+        settings = self.race.controller
+        return space_of(settings.kind, settings.low, settings.high, settings.default)
+
+    @property
+    def gate_segments(self) -> NDArray[np.int64]:
+        """Segment that each gate lies in, shape (gates,)."""
+        return self.segments.at(self.reference.gate_times)

@@ -1,0 +1,1 @@
+"""Study: a tuning on disk, which goes on after a power cut."""

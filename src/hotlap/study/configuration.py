@@ -1,0 +1,154 @@
+"""Configuration: everything that decides how a tuning goes, in a form that can be kept and compared."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from hotlap import tuners
+from hotlap.core.parameters import Parameters
+from hotlap.race.race import Race
+from hotlap.reference.reference import Reference
+from hotlap.reference.scenario import Scenario
+from hotlap.reference.segmentation import SegmentClass, Segments
+from hotlap.tuning.goal import parse_goal
+from hotlap.tuning.loop import TuningSettings
+from hotlap.tuning.scoring import Metric
+
+MAY_DIFFER = ("budget", "provenance")  # a study may be given a larger budget; where numbers come from does not change a flight
+LATER = {  # keys that older studies lack: what they flew with
+    "race.controller.segment_switch": "time",
+    "race.controller.segment_switch_distance": 6.0,
+    "tuner.apart": True,
+}
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """What a study is a study of.
+
+    Attributes:
+        scenario: race, reference and segments.
+        world: name of the world.
+        metric: what the cost measures.
+        tuner: name with preset.
+        settings: goal, budget, seed and the like.
+        first_guess: shape (S, K).
+        cost: of one's own, as `Objective.own_cost` names it; "" where the metric's counts.
+    """
+
+    scenario: Scenario
+    world: str
+    metric: Metric
+    tuner: str
+    settings: TuningSettings
+    first_guess: Parameters
+    cost: str = ""
+
+    @property
+    def cost_name(self) -> str:
+        """What the cost is called on an axis: with its unit where it is the metric's, else the name of the function."""
+        if self.cost:
+            return f"cost, {self.cost.partition(' ')[0].rpartition('.')[2]}"
+        return "cost [s]" if self.metric is Metric.TIME else "cost [m]"
+
+    @property
+    def fingerprint(self) -> str:
+        """Sixteen hexadecimal digits that change whenever something changes that a study must not mix."""
+        text = json.dumps(sorted(compared(self.dump()).items()))
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON; the reference by its fingerprint."""
+        segments, tuner = self.scenario.segments, tuners.build(self.tuner)
+        return {
+            "tuner": {"name": tuner.name, **asdict(tuner.settings)},  # first: it decides about the race's fly_on
+            "race": self.scenario.race.model_dump(mode="json"),
+            "reference": fingerprint_reference(self.scenario.reference),
+            "segments": _dump_segments(segments),
+            "world": self.world,
+            "metric": self.metric,
+            **{field.name: getattr(self.settings, field.name) for field in fields(TuningSettings) if field.name != "goal"},
+            "goal": str(self.settings.goal),
+            "first_guess": self.first_guess.tolist(),
+            **({"cost": self.cost} if self.cost else {}),  # only there, so that the fingerprints of older studies stay
+        }
+
+
+def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Configuration:
+    """The inverse of `Configuration.dump`, given the reference."""
+    numbers = {field.name: plain[field.name] for field in fields(TuningSettings) if field.name != "goal"}
+    return Configuration(
+        scenario=Scenario(Race.model_validate(plain["race"]), reference, _load_segments(plain["segments"])),
+        world=plain["world"],
+        metric=Metric(plain["metric"]),
+        tuner=plain["tuner"]["name"],
+        settings=TuningSettings(goal=parse_goal(plain["goal"]), **numbers),
+        first_guess=np.array(plain["first_guess"]),
+        cost=plain.get("cost", ""),
+    )
+
+
+def compared(plain: Mapping[str, Any]) -> dict[str, Any]:
+    """Dotted keys and values of a dump, without those that may differ between runs of one study."""
+    flat = dict(_flatten(json.loads(json.dumps(plain)), ""))
+    return {key: value for key, value in flat.items() if key.rpartition(".")[2] not in MAY_DIFFER and LATER.get(key, ...) != value}
+
+
+def first_difference(stored: Mapping[str, Any], asked: Mapping[str, Any]) -> tuple[str, Any, Any] | None:
+    """Dotted key and both values of the first difference between two dumps, or None."""
+    mine, theirs = compared(stored), compared(asked)
+    for key in {**mine, **theirs}:
+        if mine.get(key) != theirs.get(key):
+            return key, mine.get(key), theirs.get(key)
+    return None
+
+
+def fingerprint_reference(reference: Reference) -> str:
+    """Sixteen hexadecimal digits of everything in a reference that a flight depends on."""
+    digest = hashlib.sha256()
+    for values in (reference.table, reference.gate_times, np.array([reference.duration, reference.period])):
+        digest.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
+    return digest.hexdigest()[:16]
+
+
+def pack_reference(reference: Reference) -> bytes:
+    """A reference as one compressed block, bit for bit."""
+    block = io.BytesIO()
+    arrays: dict[str, Any] = {name: np.asarray(values) for name, values in vars(reference).items()}
+    np.savez_compressed(block, **arrays)
+    return block.getvalue()
+
+
+def unpack_reference(block: bytes) -> Reference:
+    """The inverse of `pack_reference`."""
+    with np.load(io.BytesIO(block), allow_pickle=False) as arrays:
+        values: dict[str, Any] = {name: arrays[name] if arrays[name].ndim else float(arrays[name]) for name in arrays.files}
+    return Reference(**values)
+
+
+def _dump_segments(segments: Segments) -> dict[str, Any]:
+    """As plain JSON; owners only where segments have several pieces, so that the fingerprints of older studies stay."""
+    plain = {"starts": segments.starts.tolist(), "classes": list(segments.classes), "duration": segments.duration}
+    return {**plain, "owners": list(segments.owners)} if segments.owners else plain
+
+
+def _load_segments(plain: Mapping[str, Any]) -> Segments:
+    """The inverse of `_dump_segments`."""
+    classes = tuple(SegmentClass(name) for name in plain["classes"])
+    return Segments(np.array(plain["starts"]), classes, plain["duration"], tuple(plain.get("owners", ())))
+
+
+def _flatten(value: Any, key: str) -> Iterator[tuple[str, Any]]:
+    """Leaves of nested tables; lists are leaves, so that a message shows them whole."""
+    if isinstance(value, dict):
+        for name, item in value.items():
+            yield from _flatten(item, f"{key}.{name}" if key else name)
+    else:
+        yield key, value

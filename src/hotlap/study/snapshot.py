@@ -1,0 +1,74 @@
+"""Snapshot: all that the folder of a study says of it, read at one moment."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hotlap.core.ledger import Ledger
+from hotlap.core.parameters import Parameters
+from hotlap.study.configuration import Configuration
+from hotlap.study.result import Result
+from hotlap.study.study import Study
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """How a study stands.
+
+    Attributes:
+        folder: of the study.
+        configuration: what it is a study of.
+        result: how it stands; None before the first flight.
+        finished: whether the search is over and its result validated.
+        ledger: all flights.
+        openings: when it was worked on, with the versions of what worked.
+        command: that began it.
+    """
+
+    folder: Path
+    configuration: Configuration
+    result: Result | None
+    finished: bool
+    ledger: Ledger
+    openings: tuple[tuple[str, Mapping[str, str]], ...]
+    command: str
+
+    @property
+    def best(self) -> Parameters:
+        """The best parameters so far, shape (S, K); the first guess before the first flight."""
+        return self.configuration.first_guess if self.result is None else self.result.best.parameters
+
+
+def read_snapshot(study: Study) -> Snapshot:
+    """Read it, as of one moment."""
+    configuration = study.configuration
+    with study.at_one_moment():
+        tuning = study.tuning
+        return Snapshot(
+            folder=study.folder,
+            configuration=configuration,
+            result=study.result,
+            finished=tuning.best is not None and tuning.done,
+            ledger=study.flights(),
+            openings=tuple(study.openings),
+            command=study.command or _rebuild(configuration),
+        )
+
+
+def _rebuild(configuration: Configuration) -> str:
+    """The command that does the same, as far as a study that does not know it can tell."""
+    settings = configuration.settings
+    words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
+    words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
+    return shlex.join([*words, "--first-guess", "default"] if begins_at_default(configuration) else words)
+
+
+def begins_at_default(configuration: Configuration) -> bool:
+    """Whether the first guess is the controller's default in every segment."""
+    first = configuration.first_guess
+    return np.array_equal(first, configuration.scenario.space.first_guess(len(first)))

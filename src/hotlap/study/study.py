@@ -1,0 +1,328 @@
+"""Study: the ledger of a tuning on disk, and all that it takes to go on after a power cut.
+
+A folder with one SQLite file. Each batch of flights is one transaction together with the tuner's state and its random generator, so
+that a run that was killed goes on exactly as if it never had been.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import re
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from datetime import datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from hotlap import tuners
+from hotlap.core.errors import InputError, StudyError
+from hotlap.core.ledger import Ledger
+from hotlap.core.seeds import Stream
+from hotlap.core.version import __version__
+from hotlap.study.configuration import Configuration, first_difference, load_configuration, pack_reference, unpack_reference
+from hotlap.study.database import FILE, Database
+from hotlap.study.result import Result
+from hotlap.tuners.tuner import remark_of
+from hotlap.tuning.loop import Batch, Tuning, tune
+from hotlap.tuning.objective import Objective
+
+RUNS = Path("runs")
+
+_SCHEMA = """
+CREATE TABLE entry (key TEXT PRIMARY KEY, value) WITHOUT ROWID;
+CREATE TABLE opening (time TEXT, versions TEXT);
+CREATE TABLE flight (stream TEXT, number INTEGER, seed INTEGER, parameters BLOB, cost REAL, completion REAL, failed_segment INTEGER,
+    mean_error REAL, max_error REAL, lap_time REAL, accepted INTEGER, PRIMARY KEY (stream, number));
+"""
+_SELECT = """
+SELECT stream, number, seed, parameters, cost, completion, failed_segment, mean_error, max_error, lap_time, accepted
+FROM flight ORDER BY stream = 'VALIDATION', number
+"""
+_INSERT = "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+
+
+class Study:
+    """An open study, closed by leaving its `with`; made by `Study.open` or `Study.read`.
+
+    Attributes:
+        folder: where it lies.
+        configuration: what it is a study of.
+    """
+
+    configuration: Configuration
+
+    def __init__(self, folder: Path, *, owned: bool) -> None:
+        self.folder = folder
+        self._database = Database(folder, owned=owned)
+        self._mark = time.perf_counter()
+
+    @classmethod
+    def open(cls, folder: str | Path, configuration: Configuration, command: str = "") -> Self:
+        """Begin a study, or go on with one of the same configuration; a larger budget may be given.
+
+        Args:
+            folder: of the study.
+            configuration: what it is a study of.
+            command: that does the same again, to be kept.
+
+        Raises:
+            StudyError: another configuration, another process at work, a file that is no study or of a newer format, no room.
+        """
+        study = cls(Path(folder), owned=True)
+        with study._closed_on_error():
+            if study._database.is_new():
+                study._create(configuration)
+            else:
+                study._continue(configuration)
+            if command and command != study.command:
+                study._enter("command", command)
+        return study
+
+    @classmethod
+    def read(cls, folder: str | Path) -> Self:
+        """Open a study to read from it, also while another process works on it.
+
+        Raises:
+            StudyError: there is none, or it cannot be read.
+        """
+        if not (Path(folder) / FILE).is_file():
+            raise StudyError(str(folder), "", f"holds no study ({FILE})")
+        study = cls(Path(folder), owned=False)
+        with study._closed_on_error():
+            if study._database.is_new():
+                raise StudyError(str(folder), "", f"holds no study: {FILE} is empty")
+            study.configuration = load_configuration(study._plain_configuration(), unpack_reference(study._entry("reference")))
+        return study
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let go of file and folder; nothing is left to write."""
+        self._database.close()
+
+    @property
+    def tuning(self) -> Tuning:
+        """The run as it stood after the last batch, ready to go on."""
+        asked, state = self.configuration, self._entry("state")
+        restored = None if state is None else json.loads(state)
+        return Tuning(tuners.build(asked.tuner), asked.scenario, asked.settings, asked.first_guess, restored)
+
+    @property
+    def wall_time(self) -> float:
+        """[s] that processes have spent on it, up to the last thing recorded."""
+        return float(self._entry("wall_time") or 0.0)
+
+    @property
+    def result(self) -> Result | None:
+        """How it stands; None before the first flight."""
+        tuning = self.tuning
+        if tuning.best is None:
+            return None
+        return Result(
+            race=self.configuration.scenario.race.name,
+            tuner=tuning.tuner.name,
+            goal=str(tuning.settings.goal),
+            seed=tuning.settings.seed,
+            flights=tuning.flights,
+            search_flights=tuning.search_flights,
+            best=tuning.best,
+            validation=tuning.validation,
+            validation_flights=tuning.validation_flights,
+            wall_time=self.wall_time,
+            remark=remark_of(tuning.tuner),
+        )
+
+    @property
+    def command(self) -> str:
+        """The command that does the same again; "" where it was not kept."""
+        return self._entry("command") or ""
+
+    @property
+    def openings(self) -> list[tuple[str, dict[str, str]]]:
+        """When it was opened to work on it, with the versions of what worked."""
+        rows = self._database.execute("SELECT time, versions FROM opening ORDER BY rowid")
+        return [(moment, json.loads(versions)) for moment, versions in rows]
+
+    def flights(self) -> Ledger:
+        """All flights: search and confirmation in the order flown, then the validation."""
+        rows = self._database.execute(_SELECT)
+        streams, numbers, seeds, parameters, *floats, accepted = zip(*rows, strict=True) if rows else [()] * 11
+        cost, completion, failed_segment, mean_error, max_error, lap_time = floats
+        return Ledger(
+            numbers=np.array(numbers, dtype=np.int64),
+            streams=np.array([Stream[name] for name in streams], dtype=np.int64),
+            parameters=np.frombuffer(b"".join(parameters), dtype="<f8").reshape(-1, *self.configuration.first_guess.shape),
+            seeds=np.array(seeds, dtype=np.int64),
+            cost=np.array(cost, dtype=np.float64),  # SQLite keeps NaN as NULL; it comes back as None and so as NaN
+            completion=np.array(completion, dtype=np.float64),
+            failed_segment=np.array(failed_segment, dtype=np.int64),
+            mean_error=np.array(mean_error, dtype=np.float64),
+            max_error=np.array(max_error, dtype=np.float64),
+            lap_time=np.array(lap_time, dtype=np.float64),
+            accepted=np.array(accepted, dtype=np.bool_),
+        )
+
+    def at_one_moment(self) -> AbstractContextManager[None]:
+        """A context within which all that is read is of one moment, also while another process works on the study; keep it short."""
+        return self._database.at_one_moment()
+
+    def record(self, batch: Batch) -> None:
+        """Keep a batch and the state after it: both or neither.
+
+        Raises:
+            StudyError: there is no room; what was recorded before is kept.
+        """
+        with self._transaction():
+            self._insert(batch.ledger)
+            self._enter("state", json.dumps(batch.state, allow_nan=False))
+
+    def run(self, objective: Objective, watch: Callable[[Batch], None] = lambda _: None) -> Result:
+        """Tune to the end from wherever the study stands, and record every batch; a finished study flies nothing.
+
+        Args:
+            objective: what flies what this is a study of.
+            watch: called after each batch, for progress.
+
+        Raises:
+            StudyError: the objective's world, metric, cost or randomisation is not the study's.
+        """
+        self._check(objective)
+        for batch in tune(objective, self.tuning):
+            self.record(batch)
+            watch(batch)
+        result = self.result
+        assert result is not None, "a run that has ended has flown"  # noqa: S101  our own mistake
+        return result
+
+    def _check(self, objective: Objective) -> None:
+        """Whether an objective flies what is recorded; scenarios are too large to be compared before every sitting."""
+        asked = self.configuration
+        for key, mine, theirs in (
+            ("world", asked.world, objective.world.name),
+            ("metric", asked.metric, objective.metric),
+            ("cost", asked.cost, objective.own_cost),
+            ("randomise", asked.settings.randomise, objective.randomise),
+        ):
+            if mine != theirs:
+                raise StudyError(str(self.folder), key, f"this study has {_show(mine)}, what it is to be flown with has {_show(theirs)}")
+
+    def _create(self, configuration: Configuration) -> None:
+        """Everything but flights, in one transaction."""
+        self.configuration = configuration
+        with self._transaction():
+            self._database.create(_SCHEMA)
+            self._enter("configuration", json.dumps(configuration.dump(), allow_nan=False))
+            self._enter("fingerprint", configuration.fingerprint)
+            self._enter("reference", pack_reference(configuration.scenario.reference))
+            self._note_opening()
+
+    def _continue(self, configuration: Configuration) -> None:
+        """Check that the study is the one asked for; take over a larger budget."""
+        plain, asked = self._plain_configuration(), configuration.dump()
+        difference = first_difference(plain, asked)
+        if difference is not None:
+            key, mine, theirs = difference
+            reason = f"this study has {_show(mine)}, asked for is {_show(theirs)}; another study needs another folder"
+            raise StudyError(str(self.folder), key, reason)
+        if asked["budget"] < plain["budget"]:
+            reason = f"this study has {plain['budget']} flights and may be given more, not {asked['budget']}"
+            raise StudyError(str(self.folder), "budget", reason)
+        self.configuration = configuration
+        with self._transaction():
+            self._enter("configuration", json.dumps({**plain, "budget": asked["budget"]}, allow_nan=False))
+            self._note_opening()
+
+    def _plain_configuration(self) -> dict[str, Any]:
+        """The configuration as it was recorded."""
+        text = self._entry("configuration")
+        if text is None:
+            raise StudyError(str(self.folder), "", f"{FILE} is damaged: it has lost its configuration")
+        return json.loads(text)
+
+    def _note_opening(self) -> None:
+        """When, and with which versions."""
+        moment = datetime.now().astimezone().isoformat(timespec="seconds")
+        self._database.execute("INSERT INTO opening VALUES (?, ?)", (moment, json.dumps(_versions())))
+
+    def _insert(self, ledger: Ledger) -> None:
+        """Add flights."""
+        floats = (
+            ledger.cost,
+            ledger.completion,
+            ledger.failed_segment,
+            ledger.mean_error,
+            ledger.max_error,
+            ledger.lap_time,
+            ledger.accepted,
+        )
+        streams = [Stream(stream).name for stream in ledger.streams.tolist()]
+        blobs = [parameters.astype("<f8").tobytes() for parameters in ledger.parameters]
+        columns = (values.tolist() for values in floats)
+        self._database.insert(_INSERT, zip(streams, ledger.numbers.tolist(), ledger.seeds.tolist(), blobs, *columns, strict=True))
+
+    def _entry(self, key: str) -> Any:
+        """A value by its key, None if there is none."""
+        rows = self._database.execute("SELECT value FROM entry WHERE key = ?", (key,))
+        return rows[0][0] if rows else None
+
+    def _enter(self, key: str, value: str | bytes | float) -> None:
+        """Set a value, within a transaction."""
+        self._database.execute("INSERT OR REPLACE INTO entry VALUES (?, ?)", (key, value))
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        """All or nothing; the time since the last one is added to the wall time."""
+        now = time.perf_counter()
+        with self._database.transaction():
+            yield
+            self._enter("wall_time", self.wall_time + now - self._mark)
+        self._mark = now
+
+    @contextmanager
+    def _closed_on_error(self) -> Iterator[None]:
+        try:
+            yield
+        except BaseException:
+            self.close()
+            raise
+
+
+def new_folder(race: str, parent: Path = RUNS) -> Path:
+    """Make a new folder `RACE-DATE` for a study.
+
+    Raises:
+        InputError: when it cannot be made.
+    """
+    name = re.sub(r"[^\w.-]+", "-", race).strip(".-") or "race"
+    stem = f"{name}-{datetime.now().astimezone():%Y%m%d-%H%M%S}"
+    for suffix in ("", *(f"-{k}" for k in range(2, 1000))):
+        folder = parent / f"{stem}{suffix}"
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise InputError(str(folder), "", f"cannot be made: {error.strerror}") from None
+        return folder
+    raise InputError(str(parent / stem), "", "exists already, a thousand times")
+
+
+def _versions() -> dict[str, str]:
+    """Of everything that a flight's last bit may depend on."""
+    libraries = {name: version(name) for name in ("numpy", "numba", "casadi")}
+    return {"hotlap": __version__, **libraries, "python": platform.python_version(), "platform": platform.platform()}
+
+
+def _show(value: Any) -> str:
+    """A value, shortened."""
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:57] + "..."

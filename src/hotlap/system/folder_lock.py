@@ -1,0 +1,38 @@
+"""Folder lock: one process at a time works in a folder; the lock goes with the process, however that ends."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from hotlap.core.errors import StudyError
+
+LOCK = "study.lock"
+
+
+def hold(folder: Path) -> int:
+    """Make a folder and lock it; the lock goes with the process, however that ends.
+
+    Returns:
+        The descriptor to close.
+
+    Raises:
+        StudyError: it cannot be made, or another process holds it.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    except OSError as error:
+        raise StudyError(str(folder), "", f"cannot be used as the folder of a study: {error.strerror}") from None
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        holder = os.pread(lock, 20, 0).decode(errors="replace").strip()
+        os.close(lock)
+        raise StudyError(str(folder), "", f"process {holder} is working on this study; wait for it, or give another folder") from None
+    with suppress(OSError):  # a courtesy to whoever is refused
+        os.ftruncate(lock, 0)
+        os.pwrite(lock, f"{os.getpid()}\n".encode(), 0)
+    return lock

@@ -1,0 +1,42 @@
+"""Text files: written whole or not at all, and the operating system's complaints in its own words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hotlap.core.errors import InputError
+
+
+def create(path: str | Path, text: str) -> None:
+    """Write a new file, never over an existing one.
+
+    Raises:
+        InputError: when there is one already, or it cannot be written.
+    """
+    try:
+        with Path(path).open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(str(path), "", "exists already and is left as it is") from None
+    except (OSError, ValueError) as error:
+        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+
+
+def replace(path: str | Path, text: str) -> None:
+    """Write a file whole or not at all, over an older one if there is one.
+
+    Raises:
+        InputError: when it cannot be written.
+    """
+    path = Path(path)
+    try:
+        part = path.with_name(path.name + ".part")
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    except (OSError, ValueError) as error:
+        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+
+
+def cause_of(error: Exception) -> str:
+    """The operating system's words, without number and file name."""
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -1,0 +1,91 @@
+"""Objective: parameters in, scores out; a scenario, a world and a metric bound together."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.core.parameters import Parameters
+from hotlap.core.records import Flights, Scores
+from hotlap.race.vehicle_parameters import draw_vehicle_parameters
+from hotlap.reference.scenario import Scenario
+from hotlap.tuning.scoring import Metric, score
+from hotlap.worlds.world import World
+
+
+@dataclass
+class Objective:
+    """The only thing that a tuning loop sees of flying (Eq. 1 of the paper, sampled).
+
+    Attributes:
+        scenario: what is flown.
+        world: where.
+        metric: what the cost measures.
+        randomise: how far each flight's vehicle may differ from the race's, as a share; see `vehicle_parameters.draw_vehicle_parameters`.
+        cost: of your own, in place of the metric's: (flights, scores by the metric) -> shape (B,), not negative, less is better.
+            A study of it is configured with `cost=objective.own_cost`.
+        flights: how many have been flown through it.
+    """
+
+    scenario: Scenario
+    world: World
+    metric: Metric = Metric.TIME
+    randomise: float = 0.0
+    cost: Callable[[Flights, Scores], NDArray[np.float64]] | None = None
+    flights: int = field(default=0, init=False)
+
+    @property
+    def own_cost(self) -> str:
+        """A name for `cost` by which a study knows it again, with a digest of its source; "" where the metric's counts.
+
+        What a function holds besides (a closure, the functions that it calls) is not part of it.
+        """
+        return "" if self.cost is None else _name(self.cost)
+
+    def fly(self, parameters: Parameters, seeds: NDArray[np.int64]) -> Scores:
+        """What each flight was worth.
+
+        Args:
+            parameters: shape (B, S, K).
+            seeds: shape (B,), the noise of each flight.
+        """
+        return self.fly_recorded(parameters, seeds)[1]
+
+    def fly_recorded(self, parameters: Parameters, seeds: NDArray[np.int64], log: Sequence[int] = ()) -> tuple[Flights, Scores]:
+        """The same, with what happened.
+
+        Args:
+            parameters: shape (B, S, K).
+            seeds: shape (B,), the noise of each flight.
+            log: indices in the batch of the flights to record in full.
+        """
+        vehicle_parameters = draw_vehicle_parameters(self.scenario.race.vehicle, seeds, self.randomise) if self.randomise else None
+        flights = self.world.fly(self.scenario, parameters, seeds, vehicle_parameters=vehicle_parameters, log=log)
+        self.flights += len(flights)
+        scores = score(flights, self.scenario.race.judge, self.metric)
+        if self.cost is None:
+            return flights, scores
+        own = np.asarray(self.cost(flights, scores), dtype=np.float64)
+        if own.shape != (len(flights),):
+            raise ValueError(f"cost must have shape ({len(flights)},), one number a flight, not {own.shape}")
+        return flights, scores.with_costs(own)
+
+
+def _name(cost: Callable[..., Any]) -> str:
+    """Where a function or a class of callables is found, and eight hexadecimal digits of its source, if there is any."""
+    while isinstance(cost, partial):
+        cost = cost.func
+    named: Any = cost if inspect.isroutine(cost) else type(cost)
+    name = f"{named.__module__}.{named.__qualname__}"
+    try:
+        source = inspect.getsource(named)
+    except (OSError, TypeError):  # typed in at a prompt, or compiled
+        return name
+    return f"{name} {hashlib.sha256(source.encode()).hexdigest()[:8]}"

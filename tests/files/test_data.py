@@ -1,0 +1,133 @@
+"""The built-in files: whatever is added to data/ is tested here without editing a test."""
+
+import math
+
+import numpy as np
+import pytest
+
+from hotlap.files.descriptions import Kind, load_quadrotor, load_race, load_track, names
+from hotlap.planning.feasibility import describe, unknown_latency
+from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, NoiseSettings
+
+TABLE_I = {"circle-20": 20, "circle-34": 34, "drop-20": 20, "flip-16": 16, "spiral-53": 53, "qualifier-20": 20, "final-22": 22}
+DEFAULT = [*TABLE_I, "spiral20-53", "soccer-medium-20"]
+AIRSIM = [name for name in names(Kind.RACE) if name.startswith("airsim-")]
+
+
+@pytest.mark.parametrize("name", names(Kind.TRACK))
+def test_every_track_loads_and_says_where_it_is_from(name):
+    track = load_track(name)
+    assert track.provenance
+    assert describe(track)
+
+
+@pytest.mark.parametrize("name", names(Kind.QUADROTOR))
+def test_every_quadrotor_loads_and_says_where_it_is_from(name):
+    quadrotor = load_quadrotor(name)
+    assert quadrotor.name == name
+    assert quadrotor.provenance
+    assert describe(quadrotor)
+
+
+@pytest.mark.parametrize("name", names(Kind.RACE))
+def test_every_race_loads_and_its_plan_leaves_the_vehicle_some_thrust(name):
+    race = load_race(name)
+    assert race.name == name
+    assert race.provenance
+    assert race.planning_model.max_acceleration < race.vehicle.max_acceleration * 1.0001
+    assert race.planning_model.max_acceleration < race.controller.thrust[1]
+    assert all(plan <= limit for plan, limit in zip(race.planning_model.rate_limit, race.controller.rates, strict=True))
+
+
+@pytest.mark.parametrize("name", [name for name in names(Kind.RACE) if not name.startswith("split-s")])
+def test_the_number_in_a_races_name_is_v_max(name):
+    assert load_race(name).planning.v_max == float(name.rsplit("-", 1)[1])
+
+
+@pytest.mark.parametrize(("name", "v_max"), TABLE_I.items())
+def test_table_i_is_there(name, v_max):
+    race = load_race(name)
+    assert race.planning.v_max == v_max
+    assert race.planning.tolerance == 0.2
+
+
+@pytest.mark.parametrize("name", DEFAULT)
+def test_the_default_suite_is_a_hummingbird_with_45_ms_that_its_controller_does_not_know_of(name):
+    race = load_race(name)
+    hummingbird = load_quadrotor("hummingbird")
+    assert race.vehicle == hummingbird.model_copy(update={"delay": 0.045})
+    assert race.control_model == hummingbird.model_copy(update={"rotor_drag": 0.0})
+    assert unknown_latency(race) == 0.045
+    assert race.controller == ControllerSettings()
+    assert race.noise == NoiseSettings()
+    assert race.judge == JudgeSettings()
+
+
+@pytest.mark.parametrize("name", AIRSIM)
+def test_the_airsim_suite_is_its_own_quadrotor_judged_by_closest_approach(name):
+    race = load_race(name)
+    airsim = load_quadrotor("airsim")
+    assert race.vehicle == airsim.model_copy(update={"delay": 0.0125})
+    assert race.control_model == airsim.model_copy(update={"body_drag": (0.0, 0.0, 0.0)})
+    assert (race.judge.rule, race.judge.distance, race.judge.window, race.judge.crash) == (GateRule.CLOSEST, 1.3, (1.0, 2.0), 10.0)
+    assert race.controller == ControllerSettings()
+    assert race.noise == NoiseSettings()
+
+
+def test_only_qualifier_and_soccer_medium_are_planned_with_the_strong_model():
+    strong = {name for name in names(Kind.RACE) if load_race(name).planning_model.name == "airsim-plan-strong"}
+    assert strong == {"qualifier-20", "airsim-qualifier-20", "soccer-medium-20"}
+
+
+def test_the_planning_models_have_the_ratios_that_were_recovered():
+    for name in ("airsim-plan", "airsim-plan-strong"):
+        plan = load_quadrotor(name)
+        assert plan.torque_matrix[0, 0] / plan.inertia[0] == pytest.approx(23.0)
+        assert (plan.gravity, plan.rate_limit) == (9.801, (10, 10, 0))
+    split = load_quadrotor("split-s-plan")
+    assert split.torque_matrix[0, 0] / split.inertia[0] == pytest.approx(150)
+    assert split.torque_ratio / split.inertia[2] == pytest.approx(29.4, abs=0.02)
+    assert split.thrust_to_weight == pytest.approx(2.4725)
+    assert load_quadrotor("split-s-racer").thrust_to_weight == pytest.approx(3.3)
+
+
+def test_the_hummingbirds_drag_and_rate_loop_are_rotors_own():
+    hummingbird = load_quadrotor("hummingbird")
+    assert hummingbird.rotor_drag == 8.06428e-5 / math.sqrt(8.54858e-6)
+    assert hummingbird.rate_gain == (0.1 / 0.007, 0.1 / 0.007, 0.03 / 0.012)
+    assert hummingbird.rotor_thrust[1] == pytest.approx(8.54858e-6 * 838**2, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "gates", "length"),
+    [
+        ("circle", 12, 120.0362),
+        ("drop", 12, 134.0418),
+        ("flip", 12, 165.2655),
+        ("spiral", 12, 181.6554),
+        ("spiral20", 20, 372.6611),
+        ("qualifier", 20, 333.5836),
+        ("final", 26, 507.2664),
+        ("soccer-medium", 25, 473.9886),
+        ("split-s", 20, 190.0512),
+    ],
+)
+def test_no_coordinate_has_moved(name, gates, length):
+    track = load_track(name)
+    legs = np.diff(np.vstack([track.start, track.waypoints]), axis=0)
+    assert len(track.gates) == gates
+    assert np.linalg.norm(legs, axis=1).sum() == pytest.approx(length, abs=1e-4)
+
+
+def test_the_authors_end_lies_five_metres_behind_the_last_gate():
+    for name in ("circle", "drop", "qualifier", "final", "soccer-medium"):
+        track = load_track(name)
+        assert track.end is not None
+        last, before = track.gate_positions[-1], track.gate_positions[-2]
+        expected = last + 5 * (last - before) / np.linalg.norm(last - before)
+        assert track.end == pytest.approx(expected, abs=1e-3)
+
+
+def test_what_was_inferred_says_so():
+    assert "reconstructed" in load_track("final").name
+    assert "beyond the vehicle" in load_race("airsim-final-22").provenance

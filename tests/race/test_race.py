@@ -1,0 +1,72 @@
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from hotlap.files.descriptions import load_quadrotor, load_race
+from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, PlanningSettings, Race, Ramp
+
+
+@pytest.fixture
+def race():
+    return load_race("circle-34")
+
+
+def test_the_model_is_the_vehicle_unless_told(race):
+    bare = Race(name="r", track=race.track, vehicle=race.vehicle)
+    assert bare.control_model == bare.vehicle
+    assert race.control_model == race.model != race.vehicle
+
+
+def test_a_plan_without_a_quadrotor_gets_a_share_of_the_model(race):
+    bare = Race(name="r", track=race.track, vehicle=load_quadrotor("split-s-racer"), planning=PlanningSettings(thrust_share=0.5))
+    assert bare.planning_model.max_acceleration == pytest.approx(0.5 * bare.vehicle.max_acceleration)
+
+
+def test_a_plan_without_a_quadrotor_stays_below_the_controllers_limit(race):
+    bare = Race(name="r", track=race.track, vehicle=load_quadrotor("flightmare"))
+    assert bare.planning_model.max_acceleration == pytest.approx(0.95 * bare.controller.thrust[1])
+
+
+def test_v_max_is_the_speed_at_which_drag_and_tilted_thrust_balance(race):
+    push = math.sqrt(race.planning_model.max_acceleration**2 - race.planning_model.gravity**2)
+    assert race.planning_drag * race.planning.v_max == pytest.approx(push)
+
+
+def test_without_v_max_the_plan_has_the_quadrotors_own_drag(race):
+    quadrotor = load_quadrotor("split-s-racer").model_copy(update={"drag": (0.3, 0.3, 0.6)})
+    bare = Race(name="r", track=race.track, vehicle=quadrotor)
+    assert bare.planning_drag == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(("values", "distance"), [({}, 1.3), ({"rule": GateRule.CLOSEST}, 1.3), ({"rule": "released"}, 1.2)])
+def test_the_gate_distance_follows_the_rule(values, distance):
+    assert JudgeSettings(**values).distance == distance
+    assert JudgeSettings(**values, distance=0.7).distance == 0.7
+
+
+@pytest.mark.parametrize(
+    ("settings", "values", "message"),
+    [
+        (ControllerSettings, {"period": 0.003}, "period: a multiple"),
+        (ControllerSettings, {"thrust": (5.0, 5.0)}, "thrust: the least"),
+        (ControllerSettings, {"low": (300.0, 100, 1, 1, 1)}, r"default\[0\]: 200 is not within"),
+        (ControllerSettings, {"high": (1.0, 1500, 100, 1000, 7)}, r"low\[0\]: 1 is not below"),
+        (ControllerSettings, {"nodes": 1}, "greater than or equal to 2"),
+        (JudgeSettings, {"distance": 0.0}, "greater than 0"),
+        (Ramp, {"distance": 1.0, "thrust_to_weight": 0.9, "rate": 1.0}, "greater than 1"),
+        (PlanningSettings, {"tolerance": 0.0}, "greater than 0"),
+    ],
+)
+def test_impossible_settings_are_refused(settings, values, message):
+    with pytest.raises(ValidationError, match=message):
+        settings(**values)
+
+
+def test_every_part_of_a_race_is_in_its_fingerprint(race):
+    changed = [
+        race.model_copy(update={"vehicle": race.vehicle.model_copy(update={"delay": 0.046})}),
+        race.model_copy(update={"track": race.track.model_copy(update={"end": None})}),
+        race.model_copy(update={"noise": race.noise.model_copy(update={"wind": 0.1})}),
+    ]
+    assert len({race.fingerprint, *(other.fingerprint for other in changed)}) == 4
