@@ -14,7 +14,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from hotlap.core.version import __version__
+from hotlap.core.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from hotlap.core.errors import HotlapError, InputError, PlanningError
@@ -77,7 +77,6 @@ __all__ = [
     "Study",
     "Tuning",
     "TuningSettings",
-    "__version__",
     "load_parameters",
     "load_quadrotor",
     "load_race",

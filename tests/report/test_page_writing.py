@@ -7,8 +7,6 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from plausible_world import PlausibleWorld
-from studies import AnyVehicle, begin, carry, configure
 
 from fake_world import make_scenario
 from hotlap.core.errors import InputError
@@ -18,6 +16,8 @@ from hotlap.report.page.track_map import draw_track_map
 from hotlap.report.page.writing import DATA, REPORT, STILL, TITLE, fill, load_template, render, write_report
 from hotlap.report.scene import stage
 from hotlap.study.study import Study
+from plausible_world import PlausibleWorld
+from studies import AnyVehicle, begin, carry, configure
 
 TEMPLATE = f"<head>{TITLE}</head><body>{STILL}{DATA}</body>"
 VOID = {"meta", "br", "link", "img", "input", "hr"}
@@ -56,7 +56,7 @@ def study(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def shown(study):
+def replay(study):
     return show(study.configuration, AnyVehicle(), study.best)
 
 
