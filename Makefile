@@ -2,6 +2,7 @@
 #
 #   make tune      tune circle-34 (RACE=flip-16 for another race, ARGS="--seed 1" for options)
 #   make test      run the tests
+#   make check     run the slower proofs: browser, documentation, films (needs chromium, node and npm)
 #   make lint      check style            make types     check types
 #   make docs      build the documentation: build/docs/index.html
 #   make bench     measure the flights    make studies   run the tests of minutes
@@ -21,14 +22,17 @@ PART ?= main
 ARGS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: tune test lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
+.PHONY: tune test check lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
 	$(BIN)/hotlap tune $(RACE) $(ARGS)
 
 test: $(VENV)/.test
-	$(BIN)/python -m pytest -m "not slow" -n auto --dist worksteal $(ARGS)
+	$(BIN)/python -m pytest -m "not slow and not check" -n auto --dist worksteal $(ARGS)
+
+check: $(VENV)/.test
+	$(BIN)/python -m pytest -m check -n auto --dist worksteal $(ARGS)
 
 studies: $(VENV)/.test
 	$(BIN)/python -m pytest -m slow $(ARGS)
