@@ -8,8 +8,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
-from dataclasses import replace
-from functools import reduce
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ from hotlap.core.errors import InputError, StudyError
 from hotlap.core.seeds import Stream
 from hotlap.race.race import JudgeSettings
 from hotlap.reference.segmentation import SegmentClass, Segments
-from hotlap.study.configuration import LATER, Configuration, compared, load_configuration, pack_reference, unpack_reference
+from hotlap.study.configuration import Configuration, load_configuration, pack_reference, unpack_reference
 from hotlap.study.database import FILE
 from hotlap.study.study import Study, new_folder
 from hotlap.tuning.goal import parse_goal
@@ -233,12 +232,43 @@ def test_another_configuration_is_refused_naming_the_difference_and_nothing_is_c
     assert content(tmp_path) == before
 
 
-def test_a_study_from_before_a_key_came_is_the_same_study():
-    plain = configure("guided_walk").dump()
-    for key in LATER:
-        *tables, name = key.split(".")
-        del reduce(lambda table, part: table[part], tables, plain)[name]
-    assert compared(plain) == compared(configure("guided_walk").dump())
+@dataclass(frozen=True)
+class Rounds:
+    """Settings of a tuner of one's own, which happen to be called as a run's are."""
+
+    budget: int = 10
+    provenance: str = "a paper"
+
+
+class Own:
+    """A tuner of one's own, as far as a configuration needs one."""
+
+    def __init__(self, name: str, settings: Rounds) -> None:
+        self.name, self.settings = name, settings
+
+
+PRESETS = {"rounds": Rounds()}
+
+
+@pytest.mark.parametrize("changed", [Rounds(budget=20), Rounds(provenance="another paper")])
+def test_settings_of_a_tuner_count_whatever_they_are_called(tmp_path, monkeypatch, changed):
+    asked = configure(f"{__name__}.Own")
+    with Study.open(tmp_path, asked):
+        before = asked.fingerprint
+    monkeypatch.setitem(PRESETS, "rounds", changed)
+    assert asked.fingerprint != before
+    with pytest.raises(StudyError, match=r"tuner\.(budget|provenance): this study has "):
+        Study.open(tmp_path, asked)
+
+
+def test_a_first_guess_is_the_same_whatever_it_is_called(tmp_path):
+    asked = [replace(configure(), first_guess_name=name) for name in ("my guesses/one.toml", "default")]
+    assert asked[0].fingerprint == asked[1].fingerprint == configure().fingerprint
+    for one in asked:
+        with Study.open(tmp_path, one) as study:
+            assert study.configuration.first_guess_name == "my guesses/one.toml", "the name that it began with"
+    with Study.read(tmp_path) as study:
+        assert study.configuration.first_guess_name == "my guesses/one.toml"
 
 
 def far(flights, scores):  # noqa: ARG001
@@ -256,7 +286,7 @@ def test_a_study_remembers_a_cost_of_ones_own(tmp_path):
     with Study.read(tmp_path) as study:
         assert study.configuration.cost == own.own_cost
         assert study.configuration.fingerprint == asked.fingerprint != base.fingerprint
-    with pytest.raises(StudyError, match=r"cost: this study has .*far [0-9a-f]{8}.*, asked for is null; another study needs"):
+    with pytest.raises(StudyError, match=r"cost: this study has .*far [0-9a-f]{8}.*, asked for is \"\"; another study needs"):
         Study.open(tmp_path, base)
 
 

@@ -12,6 +12,7 @@ import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
 from datetime import datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -236,7 +237,7 @@ class Study:
         if asked["budget"] < plain["budget"]:
             reason = f"this study has {plain['budget']} flights and may be given more, not {asked['budget']}"
             raise StudyError(str(self.folder), "budget", reason)
-        self.configuration = configuration
+        self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"])
         with self._transaction():
             self._enter("configuration", json.dumps({**plain, "budget": asked["budget"]}, allow_nan=False))
             self._note_opening()

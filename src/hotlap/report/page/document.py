@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from hotlap.analysis.robustness import Robustness
@@ -15,7 +14,7 @@ from hotlap.report.history import collect, succeeded
 from hotlap.report.page.encoding import number, pack
 from hotlap.report.page.flown import describe_repeats, describe_scenario, describe_trace
 from hotlap.report.page.replay import Replay
-from hotlap.study.snapshot import Snapshot, begins_at_default
+from hotlap.study.snapshot import Snapshot
 
 FORMAT = 1
 MOST_SAMPLES, MOST_VALUES = 2000, 150_000  # rows, and numbers in them
@@ -69,7 +68,7 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "tuner": asked.tuner,
         "goal": str(settings.goal),
         "seed": settings.seed,
-        "first_guess": first_guess_of(snapshot),
+        "first_guess": asked.first_guess_name,
         "state": "finished" if snapshot.finished else "running",
         "flights": 0 if result is None else result.flights,
         "search_flights": 0 if result is None else result.search_flights,
@@ -83,14 +82,6 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "wall_time": None if result is None else number(result.wall_time),
         "remark": "" if result is None else result.remark,
     }
-
-
-def first_guess_of(snapshot: Snapshot) -> str:
-    """What the search began with, in a word."""
-    if begins_at_default(snapshot.configuration):
-        return "default"
-    given = re.search(r" --first-guess[ =](\S+)", snapshot.command)
-    return given[1] if given else "learned"
 
 
 def _validation(validation: Validation) -> dict[str, Any]:
