@@ -9,6 +9,7 @@ import sqlite3
 import subprocess
 import sys
 from dataclasses import dataclass, replace
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,8 @@ from hotlap.core.seeds import Stream
 from hotlap.race.race import JudgeSettings
 from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.study.configuration import Configuration, load_configuration, pack_reference, unpack_reference
-from hotlap.study.database import FILE
+from hotlap.study.database import FILE, Database
+from hotlap.study.increments import grow
 from hotlap.study.study import Study, new_folder
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings, tune
@@ -47,12 +49,13 @@ def run(folder: Path, configuration: Configuration, world: FakeWorld | None = No
 
 
 def content(folder: Path) -> list:
-    """All that a run decides: flights, tuner's state and validation, as SQLite has them."""
+    """All that a run decides: flights and the state of the run, as SQLite has them."""
     connection = sqlite3.connect(folder / FILE)
     flights = connection.execute("SELECT * FROM flight ORDER BY stream, number").fetchall()
     entries = connection.execute("SELECT * FROM entry WHERE key != 'wall_time' ORDER BY key").fetchall()
+    changes = [json.loads(change) for (change,) in connection.execute("SELECT change FROM increment ORDER BY rowid")]
     connection.close()
-    return [flights, entries]
+    return [flights, entries, json.dumps(reduce(grow, changes, None))]
 
 
 def wound(folder: Path, statement: str) -> None:
@@ -247,6 +250,28 @@ class Own:
         self.name, self.settings = name, settings
 
 
+class Remembering(Own):
+    """Draws anywhere, and keeps all that it has been told in its state."""
+
+    def start(self, first_guess, space, rng) -> None:
+        self.guess, self.space, self.rng, self.points, self.costs = first_guess, space, rng, [], []
+
+    def ask(self, n):
+        asked = self.space.from_unit(self.rng.random((n, *self.guess.shape)))
+        return asked if self.points else np.concatenate([self.guess[None], asked[1:]])
+
+    def tell(self, parameters, scores):
+        self.points += parameters.tolist()
+        self.costs += scores.cost.tolist()
+        return np.zeros(len(parameters), dtype=bool)
+
+    def state(self):
+        return {"points": self.points, "costs": self.costs, "rng": self.rng.bit_generator.state}  # its own memory, not a copy of it
+
+    def restore(self, state):
+        self.points, self.costs, self.rng.bit_generator.state = state["points"], state["costs"], state["rng"]
+
+
 PRESETS = {"rounds": Rounds()}
 
 
@@ -330,6 +355,27 @@ def test_a_larger_budget_goes_on_and_equals_one_run_of_that_budget(tmp_path):
         assert study.configuration.settings.budget == 45
 
 
+def test_what_is_written_grows_with_the_flights_and_not_with_their_square(tmp_path, monkeypatch):
+    """3000 search flights, resumed after each third: a third writes what another does."""
+    execute, insert, written = Database.execute, Database.insert, []
+
+    def count(values) -> tuple:
+        values = tuple(values)
+        written[-1] += sum(len(value) if isinstance(value, str | bytes) else 8 for value in values)
+        return values
+
+    monkeypatch.setattr(Database, "execute", lambda self, statement, values=(): execute(self, statement, count(values)))
+    monkeypatch.setattr(Database, "insert", lambda self, statement, rows: insert(self, statement, [count(row) for row in rows]))
+    for budget in (1000, 2000, 3000):
+        written.append(0)
+        run(tmp_path / "resumed", replace(long(budget=budget, batch=50, validation=0), tuner=f"{__name__}.Remembering"))
+    assert max(written) < 1.1 * min(written)
+    run(tmp_path / "whole", replace(long(budget=3000, batch=50, validation=0), tuner=f"{__name__}.Remembering"))
+    assert content(tmp_path / "resumed") == content(tmp_path / "whole")
+    with Study.read(tmp_path / "whole") as study:
+        assert len(study.tuning.tuner.costs) == 3000
+
+
 def test_a_full_disk_is_one_line_and_loses_nothing_finished(tmp_path):
     configuration = long(budget=120)
     with Study.open(tmp_path / "full", configuration) as study:
@@ -368,7 +414,7 @@ run({str(tmp_path)!r}, long(budget=300))
     [
         (lambda folder: (folder / FILE).write_text("not a database, not at all " * 100), "is no database, so no study"),
         (lambda folder: wound(folder, "PRAGMA user_version = 99"), "was made by a newer hotlap .format 99"),
-        (lambda folder: wound(folder, "PRAGMA user_version = 1"), "was made by an older hotlap .format 1"),
+        (lambda folder: wound(folder, "PRAGMA user_version = 2"), "was made by an older hotlap .format 2; this one reads 3"),
         (lambda folder: wound(folder, "PRAGMA application_id = 7"), "is a database, but no study"),
         (lambda folder: wound(folder, "DELETE FROM entry"), "damaged"),
         (lambda folder: (folder / FILE).write_bytes((folder / FILE).read_bytes()[:9000] + b"\7" * 6000), "damaged"),
