@@ -373,7 +373,7 @@ def test_what_is_written_grows_with_the_flights_and_not_with_their_square(tmp_pa
     run(tmp_path / "whole", replace(long(budget=3000, batch=50, validation=0), tuner=f"{__name__}.Remembering"))
     assert content(tmp_path / "resumed") == content(tmp_path / "whole")
     with Study.read(tmp_path / "whole") as study:
-        assert len(study.tuning.tuner.costs) == 3000
+        assert len(study.tuning.tuner.state()["costs"]) == 3000
 
 
 def test_a_full_disk_is_one_line_and_loses_nothing_finished(tmp_path):
