@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hotlap.analysis.comparison import Run
+from hotlap.analysis.comparison import Run, RunJournal
 from hotlap.analysis.comparison_table import Row, overall, summarise
-from hotlap.analysis.runs_file import RunsFile
 
 RACES = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")  # of Table I
 TABLE_I: Mapping[str, tuple[int, ...]] = {  # the paper's completion [%] on them
@@ -70,7 +69,7 @@ def main() -> None:
     """Print them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    done = RunsFile(parser.parse_args().folder).done
+    done = RunJournal(parser.parse_args().folder).done
     latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # what was flown with other settings is out of date
     runs = [run for (key, _), run in done.items() if latest[run.race, run.tuner] == key]
     names = sorted(dict.fromkeys(run.race for run in runs), key=_place)

@@ -22,7 +22,7 @@ from hotlap import tuners
 from hotlap.core.success_rate import FLIGHTS
 from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
-from hotlap.system.journal import LinesFile
+from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -101,7 +101,7 @@ def main() -> None:
     options = parser.parse_args()
     rules = [(guess, *rule) for guess in options.guesses for rule in RULES]
     cases = {(race, rule): Case(race, *rule, options.seeds, options.budget) for race in options.races for rule in rules}
-    with LinesFile.opened(options.out) as kept:
+    with Journal.opened(options.out) as kept:
         missing = [case for case in cases.values() if repr(case) not in kept.done]
         for count, (case, runs) in enumerate(spread(fly, missing, options.jobs), 1):
             kept.add(repr(case), runs)

@@ -98,14 +98,6 @@ def follow_stages(wanted: int) -> Iterator[Callable[[str], None]]:
         yield lambda words: progress.update(task, completed=next(behind), state=words)
 
 
-@contextmanager
-def follow_runs(wanted: int, done: int) -> Iterator[Callable[[Run], None]]:
-    """Show the runs of a comparison; yields what to call after each run."""
-    counts = Flown()
-    with follow_pieces("runs", wanted, done) as say:
-        yield lambda run: say(counts(run))
-
-
 class Pace(ProgressColumn):
     """How fast pieces of work are done."""
 
