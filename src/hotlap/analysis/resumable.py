@@ -38,13 +38,13 @@ def describe_run(run: Run) -> str:
     return f"{run.race} by {run.tuner}"
 
 
-def digest_code(module: str) -> str:
+def digest_code(source: str | Path) -> str:
     """Sixteen hexadecimal digits that change with the source code that decides about a result.
 
     Args:
-        module: dotted name of the one that computes it, beside `SOURCES`.
+        source: dotted name or path of the module that computes it, beside `SOURCES`.
     """
-    return digest_sources(*SOURCES, module)
+    return digest_sources(*SOURCES, source)
 
 
 @dataclass
