@@ -129,7 +129,7 @@ def median(flights: float) -> str:
 
 
 def table2(jobs: ResumableJobs, *, quick: bool) -> Page:
-    """Lap times on the tracks of Game of Drones, as planned and with the fastest plan that holds."""
+    """Lap times on the tracks of Game of Drones, as planned and with the fastest reliable plan."""
     names = ("circle-34",) if quick else (*GAME_OF_DRONES, "airsim-qualifier-20", "airsim-final-21")
     settings = TuningSettings(budget=40 if quick else 300, confirm=10, reliability=RELIABLE, validation=200)
     found: dict[str, tuple[PlanSettings, dict[str, Any]] | None] = {}
@@ -174,7 +174,7 @@ def _numbers(values: Sequence[float]) -> list[str]:
 def _speeds(race: Race, plan_settings: PlanSettings | None, result: Mapping[str, Any] | None) -> list[str]:
     """Mean lap, largest and mean speed of flights that pass every gate, and their share: as a search left them, or (None) as guessed."""
     if result is not None and plan_settings is None:
-        return ["-"] * 4  # nothing that holds was found
+        return ["-"] * 4  # no reliable plan was found
     scenario = prepare(race if plan_settings is None else plan_settings.applied(race))
     values = first_guess(scenario) if result is None else np.array(result["parameters"])
     seeds = flight_seeds(0, Stream.DEMONSTRATION, SHOWN, FLOWN)
