@@ -23,13 +23,15 @@ def exists(name: str) -> bool:
     return True
 
 
+def is_file(path: str) -> bool:
+    """Whether a path leads to a file, from the root or from the package."""
+    return any((folder / path).is_file() for folder in (ROOT, ROOT / "src" / "hotlap"))
+
+
 def missing(text: str) -> list[str]:
-    """Dotted names and files of hotlap that a text mentions and that do not exist; files from the root, or from the package."""
-    names = [name for name in dict.fromkeys(DOTTED.findall(text)) if not exists(name)]
-    files = [
-        file for file in dict.fromkeys(FILE.findall(text)) if not any((folder / file).is_file() for folder in (ROOT, ROOT / "src/hotlap"))
-    ]
-    return names + files
+    """Dotted names and files of hotlap that a text mentions and that do not exist."""
+    names, files = dict.fromkeys(DOTTED.findall(text)), dict.fromkeys(FILE.findall(text))
+    return [name for name in names if not exists(name)] + [file for file in files if not is_file(file)]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
@@ -38,5 +40,5 @@ def test_what_a_page_mentions_exists(page):
 
 
 def test_what_does_not_exist_is_noticed():
-    text = "`hotlap.tuning.nothing`, `hotlap.tune`, hotlap.flight.controller.Controller.command. `tuning/loop.py` and `tuning/nothing.py`, `by_hand.py`"
-    assert missing(text) == ["hotlap.tuning.nothing", "tuning/nothing.py"]
+    text = "`hotlap.tune`, hotlap.tuning.nothing, `hotlap.flight.controller.Controller.command`; `tuning/loop.py`, `tuning/no.py`, `by_hand.py`"
+    assert missing(text) == ["hotlap.tuning.nothing", "tuning/no.py"]
