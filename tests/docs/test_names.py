@@ -40,5 +40,5 @@ def test_what_a_page_mentions_exists(page):
 
 
 def test_what_does_not_exist_is_noticed():
-    text = "`hotlap.tune`, hotlap.tuning.nothing, `hotlap.flight.controller.Controller.command`; `tuning/loop.py`, `tuning/no.py`, `by_hand.py`"
+    text = "`hotlap.tune`, hotlap.tuning.nothing, hotlap.flight.controller.Controller; `tuning/loop.py`, `tuning/no.py`, `by_hand.py`"
     assert missing(text) == ["hotlap.tuning.nothing", "tuning/no.py"]
