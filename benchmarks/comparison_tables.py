@@ -29,13 +29,13 @@ TABLE_I: Mapping[str, tuple[int, ...]] = {  # the paper's completion [%] on them
 
 
 def solved(row: Row) -> str:
-    """Success and median search flights: 95 / 12."""
+    """Runs that confirmed a controller [%] / median search flights, such as 95 / 12."""
     middle = f"{row.flights_median:.0f}" if math.isfinite(row.flights_median) else "-"
     return f"{100 * row.success_rate:.0f} / {middle}"
 
 
 def matrix(runs: Sequence[Run], races: Sequence[str]) -> str:
-    """A row a tuner, the best first; a column a race."""
+    """Table of results: one row for each tuner, the best first, one column for each race."""
     chosen = [run for run in runs if run.race in races]
     lines = [f"| tuner | {' | '.join(races)} | all | validated % | ms/flight |", f"|---{'|---' * (len(races) + 3)}|"]
     for total in overall(chosen):
@@ -49,7 +49,7 @@ def matrix(runs: Sequence[Run], races: Sequence[str]) -> str:
 
 
 def beside_the_paper(runs: Sequence[Run], races: Sequence[str]) -> str:
-    """Mean completion of the best candidate at the end of a run, and the paper's, race by race."""
+    """Table of the mean completion [%] of the best candidate at the end of a run, beside the paper's, for each race."""
     lines = [f"| tuner | {' | '.join(races)} |", f"|---{'|---' * len(races)}|"]
     for tuner, published in TABLE_I.items():
         cells = []
@@ -61,17 +61,17 @@ def beside_the_paper(runs: Sequence[Run], races: Sequence[str]) -> str:
 
 
 def _place(race: str) -> int:
-    """Where a race stands among those of Table I; others come after them, in the order in which they were flown."""
+    """Position of a race in Table I; other races come after it, in the order in which they were flown."""
     plain = race.removeprefix("airsim-")
     return RACES.index(plain) if plain in RACES else len(RACES)
 
 
 def main() -> None:
-    """Print them."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     done = RunsFile(parser.parse_args().folder).done
-    latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # what was flown with other settings is out of date
+    latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # older runs had other settings
     runs = [run for (key, _), run in done.items() if latest[run.race, run.tuner] == key]
     names = sorted(dict.fromkeys(run.race for run in runs), key=_place)
     suites = [[name for name in names if not name.startswith("airsim")], [name for name in names if name.startswith("airsim")]]
