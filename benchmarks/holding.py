@@ -8,7 +8,6 @@ that a rule is not evaluated by its own flights. Results are kept in `--out`; th
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
 from hotlap.system.journal import LinesFile
 from hotlap.system.process_pool import spread
+from hotlap.system.processors import available
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
@@ -96,7 +96,7 @@ def main() -> None:
     parser.add_argument("--budget", type=int, default=500)
     parser.add_argument("--races", nargs="+", default=(*TABLE_I, *AIRSIM), choices=(*TABLE_I, *AIRSIM), metavar="RACE")
     parser.add_argument("--guesses", nargs="+", default=GUESSES, choices=GUESSES)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--jobs", type=int, default=available())
     parser.add_argument("--out", type=Path, default=Path("build/holding"))
     options = parser.parse_args()
     rules = [(guess, *rule) for guess in options.guesses for rule in RULES]

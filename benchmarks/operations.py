@@ -21,17 +21,16 @@ from hotlap.flight.mpc import retract_stage
 from hotlap.flight.numbers import COMPILE, Numbers, aligned_zeros, best_numbers
 from hotlap.flight.riccati import backward_stage, forward_stage, terminal_stage
 from hotlap.planning.preparation import prepare
-from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 
 ROUNDS, CHAINS, REPEATS = 20_000_000, 12, 5  # of the peak: iterations, independent chains
 GROUPS = 16  # flights per lane
 
 
-def operations(race: Race) -> list[tuple[str, int, int]]:
+def operations(scenario: Scenario) -> list[tuple[str, int, int]]:
     """(part, operations, how often a control step runs it), with all sweeps."""
-    nodes, sweeps = race.controller.nodes, race.controller.sweeps
-    steps, settings = round(race.controller.period / 0.0025), fly.settings_of(race)
+    settings = fly.settings_of(scenario)
+    nodes, sweeps, steps = settings.nodes, settings.sweeps, settings.steps
     predictions = settings.predicted_periods + (settings.predicted_rest > 0)
     return [
         ("linearise a node", translate(models.linearised_node_map()).count(), nodes),
@@ -50,7 +49,7 @@ def rate(scenario: Scenario, numbers: Numbers, *, stop_early: bool) -> float:
     flights = GROUPS * numbers.lanes
     parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
     try:
-        fly.settings_of = lambda race: settings_of(race)._replace(stop_early=stop_early)
+        fly.settings_of = lambda scenario: settings_of(scenario)._replace(stop_early=stop_early)
         best = 0.0
         for _ in range(REPEATS + 1):  # the first may compile
             start = time.process_time()
@@ -95,7 +94,7 @@ def peak(numbers: Numbers) -> float:
 def main() -> None:
     """Print the tables."""
     scenario = prepare(RACE)
-    parts = operations(scenario.race)
+    parts = operations(scenario)
     total = sum(count * times for _, count, times in parts)
     print(f"{machine_name()}; {RACE}\n\n| part | operations | times | share |\n|---|---|---|---|")
     for name, count, times in parts:

@@ -14,7 +14,7 @@ from studies import begin, carry, configure
 
 from fake_world import make_scenario
 from hotlap.core.errors import InputError
-from hotlap.race.quadrotor import RotorLayout
+from hotlap.race.quadrotor import RotorLayout, torque_matrix
 from hotlap.report.demonstration import choose
 from hotlap.report.film import recording
 from hotlap.report.film.camera import aim, rings
@@ -84,11 +84,14 @@ def test_a_drone_turns_with_its_attitude():
     assert (level[:, 2] == 0).all()
 
 
-@pytest.mark.parametrize(("layout", "hub"), [(RotorLayout.X, [2**0.5, 2**0.5, 0]), (RotorLayout.PLUS, [2, 0, 0])])
-def test_rotors_are_drawn_where_the_layout_has_them(layout, hub):
-    first_arm, _, *rotors = draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, layout)
-    np.testing.assert_allclose(first_arm[0], hub)
-    np.testing.assert_allclose(rotors[0][:-1].mean(axis=0), hub, atol=1e-12)
+@pytest.mark.parametrize("layout", RotorLayout)
+def test_rotors_are_drawn_where_the_plant_has_them(layout):
+    """A rotor at (x, y) makes a roll torque of y and a pitch torque of -x for each newton of its thrust."""
+    first_arm, second_arm, *rotors = draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, layout)
+    roll, pitch, _ = torque_matrix(layout, 2.0, 0.1)
+    hubs = np.stack([-pitch, roll, np.zeros(4)], axis=1)
+    np.testing.assert_allclose([rotor[:-1].mean(axis=0) for rotor in rotors], hubs, atol=1e-12)
+    np.testing.assert_allclose([first_arm, second_arm], [hubs[[0, 2]], hubs[[1, 3]]], atol=1e-12)
 
 
 @pytest.mark.parametrize(("duration", "pace"), [(1.0, 1), (13.0, 1), (13.5, 1.25), (26.0, 2), (5000.0, 385)])

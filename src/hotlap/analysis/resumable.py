@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from hotlap.analysis.runs_file import RunsFile
 from hotlap.core.version import __version__
 from hotlap.system.journal import LinesFile
 from hotlap.system.process_pool import spread
+from hotlap.system.processors import available
 
 Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]
 """(unit, wanted, done) -> a context, in which to call what it gives with a few words on each piece that has ended."""
@@ -58,7 +58,7 @@ class Context:
         with RunsFile.opened(self.folder) as kept:
             keys = {id(cell): cell.key for cell in cells}
             named = {(cell.race.name, cell.tuner, cell.segments, cell.first_guess): keys[id(cell)] for cell in cells}
-            groups = missing(cells, kept.done, self.jobs or os.cpu_count() or 1)
+            groups = missing(cells, kept.done, self.jobs or available())
             wanted, left = (sum(len(cell.seeds) for cell in some) for some in (cells, [cell for group in groups for cell in group]))
             with self.progress("runs", wanted, wanted - left) as say:
                 for _, (cell, run) in spread(fly_cells, groups, self.jobs):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
@@ -23,6 +22,7 @@ from hotlap.race.controllers import ControllerKind
 from hotlap.race.race import Race
 from hotlap.reference.segmentation import SegmentationRule
 from hotlap.system.process_pool import spread
+from hotlap.system.processors import available
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
@@ -114,7 +114,7 @@ def _fly(cells: Sequence[Cell], kept: RunsFile, options: Namespace) -> None:
     """Fly what is missing, and keep every run as it ends."""
     keys = {(cell.race.name, cell.tuner): cell.key for cell in cells}
     wanted = sum(len(cell.seeds) for cell in cells)
-    groups = missing(cells, kept.done, options.jobs or os.cpu_count() or 1)
+    groups = missing(cells, kept.done, options.jobs or available())
     before = wanted - sum(len(cell.seeds) for group in groups for cell in group)
     if before:
         note(f"{kept.path}: {before} of {wanted} runs are there already")

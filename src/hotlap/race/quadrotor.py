@@ -130,19 +130,30 @@ class Quadrotor(Described):
         return np.array(self.inertia)
 
 
+def rotor_positions(layout: RotorLayout, arm: float) -> NDArray[np.float64]:
+    """Where the four rotors sit, seen from the centre of mass, shape (4, 2) [m] (body): x forward, y left.
+
+    Args:
+        layout: on the diagonals or on the axes.
+        arm: [m] distance from the centre of mass.
+    """
+    if layout is RotorLayout.X:
+        lever = arm * math.sqrt(0.5)
+        return lever * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
+    return arm * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+
+
 def torque_matrix(layout: RotorLayout, arm: float, torque_ratio: float) -> NDArray[np.float64]:
     """Torque (body) of each rotor per newton of thrust: a rotor at (x, y) makes a roll torque of y and a pitch torque of -x.
 
     Args:
         layout: where the rotors sit.
         arm: [m] distance from the centre of mass.
-        torque_ratio: [m] yaw torque over thrust.
+        torque_ratio: [m] yaw torque over thrust; neighbouring rotors turn against each other.
 
     Returns:
         Shape (3, 4) [m].
     """
-    spin = torque_ratio
-    if layout is RotorLayout.X:
-        lever = arm * math.sqrt(0.5)
-        return np.array([[lever, -lever, -lever, lever], [-lever, -lever, lever, lever], [spin, -spin, spin, -spin]])
-    return np.array([[0, arm, 0, -arm], [-arm, 0, arm, 0], [-spin, spin, -spin, spin]])
+    x, y = rotor_positions(layout, arm).T
+    first = 1.0 if layout is RotorLayout.X else -1.0
+    return np.array([y, 0.0 - x, torque_ratio * first * np.array([1.0, -1.0, 1.0, -1.0])])  # 0 - x: no negative zeros

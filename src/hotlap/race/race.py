@@ -58,8 +58,8 @@ class ReferenceTime(StrEnum):
     NOW = "now"
 
 
-def _of_kind(values: dict[str, Any], name: str) -> tuple[float, ...]:
-    """Bounds or defaults of the controller's kind."""
+def _tunable(values: dict[str, Any], name: str) -> tuple[float, ...]:
+    """Where the settings say nothing: the least, largest or first values of what the controller is tuned by, a field of `Tunable`."""
     return getattr(TUNABLE[values.get("kind", ControllerKind.MPC)], name)
 
 
@@ -113,9 +113,9 @@ class ControllerSettings(Described):
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
     segment_switch: SegmentSwitch = SegmentSwitch.TIME
     segment_switch_distance: Positive = 6.0
-    low: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "low"))
-    high: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "high"))
-    default: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "default"))
+    low: tuple[Positive, ...] = Field(default_factory=lambda values: _tunable(values, "low"))
+    high: tuple[Positive, ...] = Field(default_factory=lambda values: _tunable(values, "high"))
+    default: tuple[Positive, ...] = Field(default_factory=lambda values: _tunable(values, "default"))
 
     @model_validator(mode="after")
     def _ordered(self) -> ControllerSettings:
@@ -216,7 +216,7 @@ class Race(Described):
         name: what it is called.
         track: what is flown.
         vehicle: the quadrotor that flies it.
-        model: what controller and planner believe about the vehicle. None: the vehicle.
+        model: the vehicle as controller and planner know it. None: the vehicle itself.
         planning: what the planner may use.
         controller: settings of the controller that are not tuned.
         noise: what differs from flight to flight.
@@ -242,7 +242,7 @@ class Race(Described):
 
     @property
     def control_model(self) -> Quadrotor:
-        """What the controller takes the vehicle for."""
+        """The vehicle as the controller knows it."""
         return self.model or self.vehicle
 
     @property

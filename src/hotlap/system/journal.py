@@ -1,4 +1,4 @@
-"""LinesFile: results by key, a line of JSON each, written when a result is there; whole after a kill at any moment."""
+"""Journal: results by key, one line of JSON each, written as soon as a result is there; readable after a kill at any moment."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hotlap.system.folder_lock import hold
 
 
 class LinesFile:
-    """Plain JSON by key, in `file` of a folder.
+    """A file of results by key, one line of JSON each, in a folder.
 
     Attributes:
         done: what is there so far.
@@ -33,7 +33,7 @@ class LinesFile:
     @classmethod
     @contextmanager
     def opened(cls, folder: Path) -> Iterator[Self]:
-        """Robustness a folder, made if there is none, to write.
+        """Hold a folder, made if there is none, to write.
 
         Raises:
             StudyError: it cannot be used, or another process holds it.
