@@ -13,13 +13,13 @@ from PIL import Image
 from fake_world import make_scenario
 from hotlap.core.errors import InputError
 from hotlap.race.quadrotor import RotorLayout
-from hotlap.report.demonstration import choose
 from hotlap.report.film import recording
-from hotlap.report.film.camera import aim, rings
 from hotlap.report.film.drone import draw_drone, turn
 from hotlap.report.film.film import LONGEST, pace_of, write_film
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.recording import check_recorder, find_ffmpeg, record
+from hotlap.report.page.replay import choose
+from hotlap.report.projection import aim, rings
 from plausible_world import OPTIMUM, PlausibleWorld
 from studies import begin, carry, configure
 

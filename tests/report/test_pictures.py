@@ -21,9 +21,9 @@ from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.report import figures
-from hotlap.report.demonstration import choose, demonstrate
 from hotlap.report.history import collect, compare, recount
 from hotlap.report.map import CLASS_CODES
+from hotlap.report.page.replay import choose, demonstrate
 from hotlap.report.pictures import FORMATS, draw, draw_everything, draw_plan, save
 from hotlap.report.scene import stage
 from hotlap.report.style import CLASS_COLOURS, styled

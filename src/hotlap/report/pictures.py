@@ -11,9 +11,9 @@ from hotlap.analysis.sensitivity import survey_sensitivity
 from hotlap.core.errors import InputError
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.reference.scenario import Scenario
-from hotlap.report.demonstration import choose, demonstrate
 from hotlap.report.figures import convergence, inputs, samples, sensitivity, track, tracking_error, tuned_parameters
 from hotlap.report.history import Change, collect, compare, recount
+from hotlap.report.page.replay import choose, demonstrate
 from hotlap.report.scene import Scene, stage
 from hotlap.report.style import own_settings
 from hotlap.study.snapshot import Snapshot, read_snapshot

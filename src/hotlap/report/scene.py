@@ -120,6 +120,19 @@ class Scene:
         """The planned rows, shape (rows, 3) [m] (world)."""
         return self.reference.position[: self.reference.planned_rows]
 
+    @property
+    def coloured_path(self) -> tuple[Floats, Floats]:
+        """Position, shape (n, 3) [m] (world), and speed, shape (n,) [m/s], of the first flight, or of the plan where nothing was flown."""
+        return (self.traces[0].position, self.traces[0].speed) if self.traces else (self.path, self.reference.speeds)
+
+    @property
+    def failures(self) -> tuple[Floats, ...]:
+        """Where failed flights ended, for each set of parameters, shape (F, 3) [m] (world); of the traces where nothing else was flown."""
+        if self.repeats:
+            return tuple(repeats.failures for repeats in self.repeats)
+        ends = [(flight, flight.end_position[None]) for flight in self.traces]
+        return tuple(end if flight.failed and np.isfinite(end).all() else end[:0] for flight, end in ends)
+
 
 def stage(scenario: Scenario, traces: tuple[Trace, ...] = (), repeats: tuple[Repeats, ...] = ()) -> Scene:
     """The scene of a scenario."""

@@ -8,10 +8,10 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 from hotlap.core.seeds import Stream, flight_seeds
-from hotlap.report.demonstration import BEST, DEFAULT, FIRST, choose
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.frames import Titles, draw_frames
 from hotlap.report.film.recording import RATES, Pixels, record
+from hotlap.report.page.replay import BEST, DEFAULT, FIRST, choose
 from hotlap.report.scene import stage
 from hotlap.study.snapshot import Snapshot, begins_at_default
 from hotlap.worlds.world import World

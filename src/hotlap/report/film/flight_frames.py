@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hotlap.core.records import Flights
 from hotlap.race.quadrotor import RotorLayout
 from hotlap.reference.scenario import Scenario
-from hotlap.report.demonstration import ParameterSet
+from hotlap.report.page.replay import ParameterSet
 from hotlap.report.scene import trace
 from hotlap.worlds.world import World
 
