@@ -33,11 +33,11 @@ START, GATE = "S", "o"
 
 @dataclass(frozen=True)
 class _Canvas:
-    """Characters that are drawn on.
+    """A grid of characters to draw on.
 
     Attributes:
         dots: shape (rows, columns), bits of the braille patterns.
-        kinds: shape (rows, columns), index of the segment that drew last.
+        kinds: shape (rows, columns), index of the segment that was drawn last.
         texts: shape (rows, columns), characters in front of the dots; "" for none.
     """
 
@@ -47,7 +47,7 @@ class _Canvas:
 
     @staticmethod
     def blank(columns: int, rows: int) -> _Canvas:
-        """An empty one."""
+        """An empty canvas."""
         return _Canvas(np.zeros((rows, columns), np.int64), np.zeros((rows, columns), np.int64), np.full((rows, columns), "", "<U1"))
 
     def draw(self, points: Floats, kinds: NDArray[np.int64]) -> None:
@@ -57,11 +57,11 @@ class _Canvas:
         self.kinds[y // 4, x // 2] = kinds
 
     def write(self, column: int, row: int, text: str) -> None:
-        """A text in front of everything."""
+        """Write a text over the dots."""
         self.texts[row, column : column + len(text)] = list(text)
 
     def hidden(self, column: int, row: int, text: str, own: tuple[int, int]) -> float:
-        """How many cells of the path a text would hide; infinite where it does not fit or would join another.
+        """How many cells of the path a text would cover; infinite where it does not fit or would touch another text.
 
         Args:
             column: of its first character.
@@ -78,7 +78,7 @@ class _Canvas:
         return float((self.dots[row, column : column + len(text)] > 0).sum())
 
     def lines(self, segments: Segments, *, colour: bool) -> list[str]:
-        """As text, every row of full width."""
+        """The rows as text, all of the same width."""
         lines, classes = [], segments.segment_classes
         for dots, kinds, texts in zip(self.dots, self.kinds, self.texts, strict=True):
             line = ""
@@ -100,7 +100,7 @@ class _Layout:
         scale: dots per metre.
         columns: characters of each view.
         rows: characters of the view from above, and of that from the side.
-        beside: whether the second stands right of the first, not below.
+        beside: whether the second view is to the right of the first, else below it.
     """
 
     views: tuple[View, View]
@@ -183,7 +183,7 @@ def _beside(left: list[str], right: list[str], columns: int) -> list[str]:
 
 
 def _dense(points: Floats, kinds: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """Points at most a dot apart, so that fast parts have no gaps."""
+    """The path with points added until neighbours are at most one dot apart."""
     if len(points) < 2:
         return points, kinds
     steps = np.maximum(1, np.ceil(np.abs(np.diff(points, axis=0)).max(axis=1))).astype(int)
@@ -193,7 +193,7 @@ def _dense(points: Floats, kinds: NDArray[np.int64]) -> tuple[Floats, NDArray[np
 
 
 def _write_gates(canvas: _Canvas, start: Floats, gates: Floats) -> None:
-    """The start and the gates, numbered beside them where there is room."""
+    """Mark the start and the gates, with the numbers of the gates where there is room."""
     cells = np.floor(gates / (2, 4))
     groups = group(cells, 0.5)
     for cell, _ in groups:
@@ -210,7 +210,7 @@ def _write_gates(canvas: _Canvas, start: Floats, gates: Floats) -> None:
 
 
 def _list_segments(segments: Segments, width: int, *, colour: bool) -> list[str]:
-    """Pieces with the number of their segment, class and times, as many in a line as fit."""
+    """A list of the pieces of all segments: number, class, start and end; as many in a line as fit."""
     lines, length = [""], 0
     for piece in segments.pieces:
         text = f"{piece.segment + 1} {piece.kind.value} {piece.start:.1f}-{piece.end:.1f} s"
@@ -222,5 +222,5 @@ def _list_segments(segments: Segments, width: int, *, colour: bool) -> list[str]
 
 
 def _paint(text: str, kind: SegmentClass | None) -> str:
-    """A text in the colour of a class."""
+    """A text in the colour of a class of segments; None: as it is."""
     return text if kind is None else f"\x1b[{CLASS_CODES[kind]}m{text}\x1b[0m"

@@ -1,4 +1,4 @@
-"""Track view: a scene from above and from the side, coloured by speed."""
+"""Track view: a picture of a scene from above and from the side, the flight coloured by speed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ STRIP, STRIP_GAP = 1.15, 0.75  # inches of the chart of speed below a plan
 
 @styled
 def track(scene: Scene) -> Figure:
-    """The plan, the first flight of a scene coloured by speed, the others as ghosts, and where flights failed.
+    """The plan, the first flight of a scene coloured by speed, the others as dashed lines, and crosses where flights failed.
 
     Without a flight, the plan itself is coloured, with its speed over time below.
     """
@@ -54,7 +54,7 @@ def track(scene: Scene) -> Figure:
 
 
 def _draw(figure: Figure, view: View, scene: Scene, box: tuple[float, float, float, float], scale: float, norm: Normalize) -> None:
-    """One view, in a box of inches."""
+    """One view, in a box (left, bottom, width, height) [inches]."""
     axes, above = place_axes(figure, *box), view.up != 2
     side = "" if above else f" (along {'y' if view.across == 0 else 'x'})"
     frame(axes, view, "from above" if above else f"from the side{side}", name_across=not above)
@@ -74,7 +74,7 @@ def _draw(figure: Figure, view: View, scene: Scene, box: tuple[float, float, flo
 
 
 def _colour_bar(figure: Figure, left: float, bottom: float, height: float, norm: Normalize) -> None:
-    """Speeds and their colours, beside the views."""
+    """The colour bar of the speed, beside the views."""
     tall = min(height, 2.2)
     axes = place_axes(figure, left, bottom + height - tall, 0.1, tall)
     bar = figure.colorbar(ScalarMappable(norm, SPEED_MAP), cax=axes)
@@ -99,7 +99,7 @@ def _speed_over_time(figure: Figure, scene: Scene, full_width: float) -> None:
 
 
 def _fastest(scene: Scene) -> float:
-    """[m/s] at the end of the colour bar."""
+    """Largest speed of the colour bar [m/s]."""
     speeds = [scene.reference.speeds, *(flight.speed for flight in scene.traces[:1])]
     return max(1.0, float(np.max(np.concatenate(speeds))))
 
@@ -120,7 +120,7 @@ def _detail(scene: Scene) -> str:
 
 
 def _key(scene: Scene) -> list[tuple[str, str, str]]:
-    """The marks and what they mean."""
+    """Legend of the marks."""
     if not scene.traces:
         return []
     flown, *ghosts = scene.traces

@@ -43,7 +43,7 @@ def draw_speed(axes: Axes, view: View, position: Floats, speed: Floats, norm: No
 
 
 def draw_plan(axes: Axes, view: View, scene: Scene, *, line: bool) -> None:
-    """The plan, as a thin line if asked for, its start, and the gates to scale."""
+    """The plan as a thin line (if `line`), its start, and the gates to scale."""
     path = view.project(scene.path)
     if line:
         axes.plot(*path.T, color=INK, linewidth=0.5, zorder=Layer.PLAN)
@@ -67,12 +67,12 @@ def draw_failures(axes: Axes, view: View, positions: Floats, size: float) -> Non
 
 
 def write_gates(axes: Axes, view: View, scene: Scene, scale: float, placer: Placer) -> None:
-    """Numbers beside the gates, as near as they do not hide anything.
+    """Write the numbers of the gates beside them, where they cover nothing.
 
     Args:
         axes: of the view.
-        view: how it looks at the scene.
-        scene: what is drawn.
+        view: from above or from the side.
+        scene: that is drawn.
         scale: inches per metre.
         placer: of the labels in this view.
     """

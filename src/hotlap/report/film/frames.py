@@ -1,4 +1,4 @@
-"""Frames: flights drawn beside each other, one picture after the other."""
+"""Frames: the pictures of a film, flights drawn beside each other."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ DRONE = 0.028  # of the width of what is seen: an arm, several times too large, 
 
 @dataclass(frozen=True)
 class Titles:
-    """What is written.
+    """The texts of a film.
 
     Attributes:
-        title: above all.
-        pace: how fast the film runs.
+        title: of the film.
+        pace: how fast the film runs, in words.
         labels: above each panel.
     """
 
@@ -53,7 +53,7 @@ def draw_frames(scene: Scene, flights: Sequence[FlightFrames], titles: Titles, i
     Args:
         scene: scenario and gates.
         flights: beside each other, one panel each.
-        titles: what is written.
+        titles: the texts of the film.
         interval: [s] of the flight between frames.
     """
     with own_settings():
@@ -63,7 +63,7 @@ def draw_frames(scene: Scene, flights: Sequence[FlightFrames], titles: Titles, i
 
 
 class _Film:
-    """The figure that all frames are drawn in: what stands still once, what moves each time."""
+    """The figure of all frames: parts that do not move are drawn once, the others in each frame."""
 
     def __init__(self, scene: Scene, flights: Sequence[FlightFrames], titles: Titles) -> None:
         camera = aim(scene.path)
@@ -91,7 +91,7 @@ class _Film:
         self._still = self._canvas.copy_from_bbox(self._figure.bbox)
 
     def frame(self, k: int, time: float) -> NDArray[np.uint8]:
-        """One of them."""
+        """Draw the k-th frame, at a time of the flight [s]."""
         for panel in self._panels:
             panel.move(k)
         self._clock.set_text(f"{time:5.2f} s{self._pace}")
@@ -103,7 +103,7 @@ class _Film:
 
 
 class _Panel:
-    """One flight."""
+    """The part of the figure with one flight."""
 
     def __init__(self, axes: Axes, scene: Scene, camera: Camera, flight: FlightFrames, label: str, norm: Normalize) -> None:
         self._camera, self._flight, self._total = camera, flight, len(scene.gates)
@@ -123,7 +123,7 @@ class _Panel:
         self.movers: list[Artist] = [self._plumb, self._lost, self._lit, self._trail, self._drone, self._cross, self._count]
 
     def move(self, k: int) -> None:
-        """To the k-th frame."""
+        """Move everything to the k-th frame."""
         flight, k = self._flight, min(k, len(self._flight) - 1)
         good, over = min(k, flight.judged) if flight.failed else k, k >= flight.judged
         self._trail.set_segments(_pairs(self._path[: good + 1]))
@@ -161,7 +161,7 @@ def _draw_still(axes: Axes, scene: Scene, camera: Camera, gates: Floats) -> None
 
 
 def _add(axes: Axes, lines: LineCollection) -> LineCollection:
-    """Lines that are drawn, and leave the limits as they are."""
+    """Add lines without a change of the limits."""
     axes.add_collection(lines, autolim=False)
     return lines
 

@@ -72,7 +72,8 @@ def _verdict(result: Result, snapshot: Snapshot) -> str:
     if snapshot.configuration.settings.goal.quantity is Quantity.NONE:
         return f"{result.flights} flights; the best passed {gates}{lap}."
     if result.best.confirmed:
-        return f"{result.goal} confirmed after {result.search_flights} search flights: {gates}{lap}."
+        flights = "1 search flight" if result.search_flights == 1 else f"{result.search_flights} search flights"
+        return f"{result.goal} confirmed after {flights}: {gates}{lap}."
     return f"{result.goal} NOT confirmed in {result.flights} flights; the best so far passed {gates}{lap}."
 
 
