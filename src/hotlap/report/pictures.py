@@ -62,17 +62,26 @@ def draw_everything(folder: Path, study: Study, world: World, kind: str, flights
     Raises:
         InputError: when one cannot be written.
     """
-    snapshot = read_snapshot(study)
+    return _save_all(folder, figures_of(read_snapshot(study), world, flights), kind)
+
+
+def figures_of(snapshot: Snapshot, world: World, flights: int = FLIGHTS) -> dict[str, Figure]:
+    """All figures of a study by their names.
+
+    Args:
+        snapshot: of the study; it may have no flights yet.
+        world: where its flights happen.
+        flights: how many of each set of parameters to fly, at least 1.
+    """
     asked, best, scene = snapshot.configuration, snapshot.best, _fly(snapshot, world, flights)
     found = survey_sensitivity(asked.scenario, world, best, asked.settings.seed)
-    looked = collect(snapshot.ledger, asked.settings.goal)
-    figures = {
+    searched = collect(snapshot.ledger, asked.settings.goal)
+    return {
         **_plain(snapshot, scene),
         "inputs": inputs(scene, asked.scenario),
         "sensitivity": sensitivity(found, _change(snapshot), f"{scene.race}: sensitivity to the parameters"),
-        "samples": samples(looked, asked.scenario.space, best, f"{scene.race}: parameters of the search flights"),
+        "samples": samples(searched, asked.scenario.space, best, f"{scene.race}: parameters of the search flights"),
     }
-    return _save_all(folder, figures, kind)
 
 
 def _fly(snapshot: Snapshot, world: World, flights: int) -> Scene:
