@@ -9,19 +9,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image
-from plausible_world import OPTIMUM, PlausibleWorld
-from studies import begin, carry, configure
 
 from fake_world import make_scenario
 from hotlap.core.errors import InputError
 from hotlap.race.quadrotor import RotorLayout, torque_matrix
-from hotlap.report.demonstration import choose
 from hotlap.report.film import recording
-from hotlap.report.film.camera import aim, rings
 from hotlap.report.film.drone import draw_drone, turn
 from hotlap.report.film.film import LONGEST, pace_of, write_film
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.recording import check_recorder, find_ffmpeg, record
+from hotlap.report.page.replay import choose
+from hotlap.report.projection import aim, rings
+from plausible_world import OPTIMUM, PlausibleWorld
+from studies import begin, carry, configure
 
 
 @pytest.fixture(scope="module")
@@ -100,6 +100,7 @@ def test_a_film_is_never_longer_than_it_may_be(duration, pace):
     assert duration / pace_of(duration) <= LONGEST
 
 
+@pytest.mark.check
 def test_a_gif_has_a_frame_for_each_moment_and_lingers_on_the_last(tmp_path):
     snapshot = carry(tmp_path / "study", replace(configure(), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1))))
     path = write_film(tmp_path / "lap.gif", snapshot, PlausibleWorld())
@@ -115,6 +116,7 @@ def test_a_gif_has_a_frame_for_each_moment_and_lingers_on_the_last(tmp_path):
     assert [entry.name for entry in tmp_path.iterdir() if entry.is_file()] == ["lap.gif"]
 
 
+@pytest.mark.check
 def test_a_study_without_flights_has_a_film(tmp_path):
     snapshot = begin(tmp_path / "study", configure())
     with Image.open(write_film(tmp_path / "lap.gif", snapshot, PlausibleWorld(crash=True))) as picture:
@@ -128,6 +130,7 @@ def frames(count=12, width=64, height=32):
         yield frame
 
 
+@pytest.mark.check
 def test_an_mp4_is_played_by_ffmpeg(tmp_path):
     path = record(tmp_path / "lap.mp4", frames())
     played = subprocess.run([find_ffmpeg(), "-i", path, "-f", "null", "-"], capture_output=True, text=True, check=True)
@@ -135,6 +138,7 @@ def test_an_mp4_is_played_by_ffmpeg(tmp_path):
     assert "64x32" in played.stderr
 
 
+@pytest.mark.check
 def test_an_mp4_is_written_frame_by_frame(tmp_path):
     """Hundreds of frames in memory at once would be half a gigabyte."""
     alive, most = [], 0
