@@ -9,8 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image
-from plausible_world import OPTIMUM, PlausibleWorld
-from studies import begin, carry, configure
 
 from fake_world import make_scenario
 from hotlap.core.errors import InputError
@@ -22,6 +20,8 @@ from hotlap.report.film.drone import draw_drone, turn
 from hotlap.report.film.film import LONGEST, pace_of, write_film
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.recording import check_recorder, find_ffmpeg, record
+from plausible_world import OPTIMUM, PlausibleWorld
+from studies import begin, carry, configure
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plausible_world import PlausibleWorld
-from studies import AnyVehicle, begin, carry, configure
 
 from fake_world import make_scenario
 from hotlap.core.ledger import Ledger
@@ -23,6 +21,8 @@ from hotlap.report.page.document import MOST_SAMPLES, describe
 from hotlap.report.page.encoding import MOST_ROWS, number, pack, thin, write_json
 from hotlap.report.page.flown import describe_scenario, describe_trace
 from hotlap.report.page.replay import glance, show
+from plausible_world import PlausibleWorld
+from studies import AnyVehicle, begin, carry, configure
 
 KEYS = {
     *("format", "kind", "live", "headline", "scenario", "traces", "repeats", "flights", "parameters", "samples", "sensitivity", "hold"),

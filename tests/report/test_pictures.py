@@ -11,8 +11,6 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from plausible_world import OPTIMUM, PlausibleWorld
-from studies import begin, carry, configure
 
 from fake_world import make_scenario
 from hotlap.analysis.sensitivity import survey_sensitivity
@@ -35,6 +33,8 @@ from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.scoring import Metric
+from plausible_world import OPTIMUM, PlausibleWorld
+from studies import begin, carry, configure
 
 NAMES = ("track", "convergence", "error", "parameters")
 SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}

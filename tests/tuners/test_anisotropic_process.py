@@ -8,7 +8,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, Matern
 
-from hotlap.tuners.anisotropic_process import LENGTHS, Kernel, draw_paths, log_likelihood, most_likely
+from hotlap.tuners.surrogates.anisotropic_process import LENGTHS, Kernel, draw_paths, log_likelihood, most_likely
 
 RNG = np.random.default_rng(5)
 POINTS = RNG.random((30, 4))

@@ -10,8 +10,8 @@ import pytest
 
 from hotlap import tuners
 from hotlap.core.records import Scores
-from hotlap.tuners.gate_gp import SPARE, GateGp, Settings
-from hotlap.tuners.gate_process import FARTHEST, NEAREST
+from hotlap.tuners.gate_gp import SPARE, GateGp, GateGpSettings
+from hotlap.tuners.surrogates.gate_process import FARTHEST, NEAREST
 from hotlap.tuners.walk import MEMORY, fitted
 
 from .laws import make_scores, make_space
@@ -121,7 +121,7 @@ def test_the_best_and_the_latest_flights_are_fitted_and_no_more_than_memory_hold
 
 
 def test_each_point_keeps_its_own_misses_when_some_are_left_out():
-    tuner = GateGp("gate_gp", Settings())
+    tuner = GateGp("gate_gp", GateGpSettings())
     tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(0))
     points = SPACE.from_unit(np.random.default_rng(1).random((300, SEGMENTS, 3)))
     scores = fly(points, np.random.default_rng(2))
@@ -134,7 +134,7 @@ def test_each_point_keeps_its_own_misses_when_some_are_left_out():
 
 
 def test_a_candidate_is_worth_less_the_nearer_it_comes_to_a_miss_and_what_is_not_known_is_hoped_for():
-    tuner = GateGp("gate_gp", Settings())
+    tuner = GateGp("gate_gp", GateGpSettings())
     tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(0))
     tuner.tell(SPACE.first_guess(SEGMENTS)[None], fly(SPACE.first_guess(SEGMENTS)[None], np.random.default_rng(0)))
     means, noises = np.array([[-1.0], [-SPARE], [0.0], [0.5]]), np.array([0.2])

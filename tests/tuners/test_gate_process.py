@@ -5,7 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hotlap.tuners.gate_process import FARTHEST, NEAREST, ROWS, GateKernel, Group, climb, condition, gate_groups, log_posterior, matern
+from hotlap.tuners.surrogates.gate_process import (
+    FARTHEST,
+    NEAREST,
+    ROWS,
+    GateKernel,
+    Group,
+    climb,
+    condition,
+    gate_groups,
+    log_posterior,
+    matern,
+)
 
 SEGMENTS, SIZE = 3, 2
 GATE_SEGMENTS = np.array([0, 0, 1, 2])

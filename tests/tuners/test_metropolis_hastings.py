@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hotlap.tuners.metropolis_hastings import PRESETS, MetropolisHastings, Reach, Scale, Score, Settings, window
+from hotlap.tuners.metropolis_hastings import PRESETS, MetropolisHastings, MetropolisHastingsSettings, Reach, Scale, Score, window
 
 from . import laws
 
@@ -15,7 +15,7 @@ BOTH = pytest.mark.parametrize("scale", list(Scale))
 
 
 def sampler(sigma: float, scale: Scale, **more) -> MetropolisHastings:
-    return MetropolisHastings("under test", Settings(sigma, scale, **{"tied": 0.0, **more}))
+    return MetropolisHastings("under test", MetropolisHastingsSettings(sigma, scale, **{"tied": 0.0, **more}))
 
 
 def unit_of(scale: Scale):
@@ -125,7 +125,7 @@ def test_proposal_stays_until_it_is_told():
 WIDE = replace(laws.make_space(0.01, 100.0, 3), names=("a", "b", "horizon"))
 
 
-def steps_after_failing_in(segment: int, settings: Settings, segments: int = 6, count: int = 1500) -> np.ndarray:
+def steps_after_failing_in(segment: int, settings: MetropolisHastingsSettings, segments: int = 6, count: int = 1500) -> np.ndarray:
     """Logarithmic steps, shape (count, S, K), from a first guess that failed in a segment and is never left."""
     tuner, first = MetropolisHastings("under test", settings), WIDE.first_guess(segments)
     tuner.start(first, WIDE, np.random.default_rng(1))
@@ -137,7 +137,7 @@ def steps_after_failing_in(segment: int, settings: Settings, segments: int = 6, 
     return np.log(np.array(asked) / first)
 
 
-LOCAL = Settings(0.2, Scale.LOG, tied=0.0, reach=Reach.FAILED, horizon=0.1)
+LOCAL = MetropolisHastingsSettings(0.2, Scale.LOG, tied=0.0, reach=Reach.FAILED, horizon=0.1)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ def test_the_released_rules_are_settings_of_their_own():
     assert (released.sigma, released.scale, released.tied) == (5.0, Scale.RAW, 0.0)
     assert (released.score, released.reach, released.horizon, released.rollback) == (Score.ROOT, Reach.FAILED, 0.1, False)
     assert PRESETS["released_rollback"] == replace(released, rollback=True)
-    assert PRESETS["paper"] == Settings(5.0, Scale.RAW, 0.0)
+    assert PRESETS["paper"] == MetropolisHastingsSettings(5.0, Scale.RAW, 0.0)
     horizon_only = steps_after_failing_in(2, replace(LOCAL, reach=Reach.ALL))
     np.testing.assert_allclose(horizon_only.std(axis=0), np.tile([0.2, 0.2, 0.02], (6, 1)), rtol=0.1)
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
-from hotlap.tuners.gaussian_process import LENGTHS, Shape, choose_shape, fit
+from hotlap.tuners.surrogates.gaussian_process import LENGTHS, Shape, choose_shape, fit
 from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
 
 Floats = NDArray[np.float64]
@@ -33,7 +33,7 @@ EAGERNESS = (math.log(0.3), math.log(3.0))  # of k
 
 
 @dataclass(frozen=True)
-class Settings(WalkSettings):
+class GuidedWalkSettings(WalkSettings):
     """What tells one guided walk from another.
 
     Attributes:
@@ -45,18 +45,18 @@ class Settings(WalkSettings):
     apart: bool = True
 
 
-PRESETS: Mapping[str, Settings] = {
-    "default": Settings(),
-    "tied": Settings(apart=False),
-    "segments": Settings(correlation=0.9),
-    "independent": Settings(correlation=0.0),
-    "sparse": Settings(dense=False),
-    "no_restarts": Settings(restart_probability=0.0, exploration=0.0),
-    "no_exploration": Settings(exploration=0.0),
+PRESETS: Mapping[str, GuidedWalkSettings] = {
+    "default": GuidedWalkSettings(),
+    "tied": GuidedWalkSettings(apart=False),
+    "segments": GuidedWalkSettings(correlation=0.9),
+    "independent": GuidedWalkSettings(correlation=0.0),
+    "sparse": GuidedWalkSettings(dense=False),
+    "no_restarts": GuidedWalkSettings(restart_probability=0.0, exploration=0.0),
+    "no_exploration": GuidedWalkSettings(exploration=0.0),
 }
 
 
-class GuidedWalk(Walk[Settings]):
+class GuidedWalk(Walk[GuidedWalkSettings]):
     """A walk guided by one process for the cost."""
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

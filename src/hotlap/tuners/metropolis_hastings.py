@@ -40,7 +40,7 @@ class Reach(StrEnum):
 
 
 @dataclass(frozen=True)
-class Settings:
+class MetropolisHastingsSettings:
     """What tells one sampler from another.
 
     Attributes:
@@ -66,13 +66,13 @@ class Settings:
 
 _RELEASED = {"score": Score.ROOT, "reach": Reach.FAILED, "horizon": 0.1}
 
-PRESETS: Mapping[str, Settings] = {
-    "tied": Settings(sigma=0.3, scale=Scale.LOG, tied=1.0),
-    "paper": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0),  # sigma = 5, Sec. IV-A
-    "untied_log": Settings(sigma=0.3, scale=Scale.LOG, tied=0.0),
-    "released": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0, rollback=False, **_RELEASED),
-    "released_rollback": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0, **_RELEASED),
-    "released_log": Settings(sigma=0.3, scale=Scale.LOG, tied=0.0, **_RELEASED),
+PRESETS: Mapping[str, MetropolisHastingsSettings] = {
+    "tied": MetropolisHastingsSettings(sigma=0.3, scale=Scale.LOG, tied=1.0),
+    "paper": MetropolisHastingsSettings(sigma=5.0, scale=Scale.RAW, tied=0.0),  # sigma = 5, Sec. IV-A
+    "untied_log": MetropolisHastingsSettings(sigma=0.3, scale=Scale.LOG, tied=0.0),
+    "released": MetropolisHastingsSettings(sigma=5.0, scale=Scale.RAW, tied=0.0, rollback=False, **_RELEASED),
+    "released_rollback": MetropolisHastingsSettings(sigma=5.0, scale=Scale.RAW, tied=0.0, **_RELEASED),
+    "released_log": MetropolisHastingsSettings(sigma=0.3, scale=Scale.LOG, tied=0.0, **_RELEASED),
 }
 
 
@@ -88,7 +88,7 @@ class MetropolisHastings:
         temperature: of the next decision; the settings' until it is changed.
     """
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: MetropolisHastingsSettings) -> None:
         self.name, self.settings = name, settings
         self.temperature = settings.temperature
 
@@ -145,7 +145,9 @@ class MetropolisHastings:
         return accepted
 
 
-def propose(settings: Settings, space: ParameterSpace, rng: np.random.Generator, sample: Parameters, failed: int) -> Parameters:
+def propose(
+    settings: MetropolisHastingsSettings, space: ParameterSpace, rng: np.random.Generator, sample: Parameters, failed: int
+) -> Parameters:
     """A Gaussian step from a sample, mirrored at the bounds.
 
     Args:

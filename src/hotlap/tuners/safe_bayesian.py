@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
-from hotlap.tuners.gaussian_process import Conditioned, Prior, condition
 from hotlap.tuners.subspace import SPACING, Direction, Lattice, axes_of, draw_direction
+from hotlap.tuners.surrogates.gaussian_process import Conditioned, Prior, condition
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -31,7 +31,7 @@ WORST = -800.0  # performance of a flight without a cost; the largest number's i
 
 
 @dataclass(frozen=True)
-class Settings:
+class SafeBayesianSettings:
     """What tells one search from another; lengths are in steps of `log_step`, performances in natural logarithms.
 
     Attributes:
@@ -55,12 +55,12 @@ class Settings:
     dense: bool = True
 
 
-PRESETS: Mapping[str, Settings] = {
-    "plane": Settings(optimistic=True),
-    "safeopt": Settings(),
-    "damping": Settings(subspace=(Direction.GAIN, Direction.DAMPING), optimistic=True),
-    "lines": Settings(subspace=(), optimistic=True),
-    "lines_safeopt": Settings(subspace=()),
+PRESETS: Mapping[str, SafeBayesianSettings] = {
+    "plane": SafeBayesianSettings(optimistic=True),
+    "safeopt": SafeBayesianSettings(),
+    "damping": SafeBayesianSettings(subspace=(Direction.GAIN, Direction.DAMPING), optimistic=True),
+    "lines": SafeBayesianSettings(subspace=(), optimistic=True),
+    "lines_safeopt": SafeBayesianSettings(subspace=()),
 }
 
 
@@ -71,7 +71,7 @@ class SafeBayesian:
     smallest steps from the best flight so far, without any assurance, until a flight passes a gate: that one becomes the first guess.
     """
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: SafeBayesianSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
@@ -201,7 +201,7 @@ class SafeBayesian:
         return np.where(point == 0.0, self._first, moved)
 
 
-def choose(posterior: Conditioned, points: Floats, floor: float, settings: Settings) -> int:
+def choose(posterior: Conditioned, points: Floats, floor: float, settings: SafeBayesianSettings) -> int:
     """Index of the next point: of the safe set S_n = {l_n >= J_min}, of which the first point always is.
 
     SafeOpt takes the widest bounds of the maximisers M_n = {u_n >= max l_n} and the expanders G_n (Berkenkamp and others, Sec. IV).

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
-from hotlap.tuners.anisotropic_process import Kernel, draw_paths, most_likely
+from hotlap.tuners.surrogates.anisotropic_process import Kernel, draw_paths, most_likely
 from hotlap.tuners.unit_box import UnitBox, latin_hypercube
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ WORST = 1e12  # what a cost counts as at most
 
 
 @dataclass(frozen=True)
-class Settings:
+class TrustRegionSettings:
     """What tells one search from another.
 
     Attributes:
@@ -57,18 +57,18 @@ class Settings:
     dense: bool = False
 
 
-PRESETS: Mapping[str, Settings] = {
-    "default": Settings(),
-    "raw": Settings(log=False),
-    "dense": Settings(dense=True),
-    "tied": Settings(tied=True),
+PRESETS: Mapping[str, TrustRegionSettings] = {
+    "default": TrustRegionSettings(),
+    "raw": TrustRegionSettings(log=False),
+    "dense": TrustRegionSettings(dense=True),
+    "tied": TrustRegionSettings(tied=True),
 }
 
 
 class TrustRegion:
     """One trust region after the other. An ask gives what waits to be flown, the same until it is told."""
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: TrustRegionSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.tuners.gaussian_process import Posterior, Shape, fit, matern
+from hotlap.tuners.surrogates.gaussian_process import Posterior, Shape, fit, matern
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
