@@ -10,7 +10,7 @@ from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.tuners import Tuner, build
 from hotlap.tuners.safe_bayesian import PRESETS, PRIOR, SafeBayesian, SafeBayesianSettings, choose, expanders
 from hotlap.tuners.subspace import SPACING, Direction, axes_of
-from hotlap.tuners.surrogates.gaussian_process import Prior, condition
+from hotlap.tuners.surrogates.gaussian_process import Prior, covariance
 
 from .laws import make_scores
 from .test_contract import SEGMENTS, SPACE, play, start
@@ -47,7 +47,7 @@ def path(rng: np.random.Generator, level: float):
     exact = Prior(PRIOR.length, PRIOR.signal, 1e-3)
 
     def performance(point: np.ndarray) -> float:
-        mean, deviation = condition(np.array(points), np.array(values), level, exact).predict(point[None])
+        mean, deviation = exact.condition(np.array(points), np.array(values), level).predict(point[None])
         points.append(point)
         values.append(float(rng.normal(mean[0], deviation[0])))
         return values[-1]
@@ -61,22 +61,24 @@ def slope(point: np.ndarray) -> float:
 
 def bounds_without_noise(points, values, noises, candidates, level, prior, beta) -> np.ndarray:
     """Lower bounds by the textbook's formula, each value with a noise of its own."""
-    inverse = np.linalg.inv(prior.covariance(points, points) + np.diag(noises**2))
-    across = prior.covariance(candidates, points)
+    inverse = np.linalg.inv(prior.signal**2 * covariance(points / prior.length, points / prior.length) + np.diag(noises**2))
+    across = prior.signal**2 * covariance(candidates / prior.length, points / prior.length)
     variance = prior.signal**2 - np.einsum("ij,jk,ik->i", across, inverse, across)
     return level + across @ inverse @ (values - level) - beta * np.sqrt(np.maximum(variance, 0))
 
 
+FLOWN = np.random.default_rng(1).normal(size=(12, 3))
+PERFORMANCES = -5 + np.random.default_rng(7).normal(size=12)
+
+
 @pytest.fixture
 def posterior():
-    rng = np.random.default_rng(1)
-    points = rng.normal(size=(12, 3))
-    return condition(points, -5 + rng.normal(size=12), -6.0, PRIOR)
+    return PRIOR.condition(FLOWN, PERFORMANCES, -6.0)
 
 
 def test_one_value_moves_a_stated_process_by_its_share_of_the_variance():
     prior, at = Prior(2.0, 3.0, 1.5), np.zeros((1, 2))
-    mean, deviation = condition(at, np.array([4.0]), 1.0, prior).predict(at)
+    mean, deviation = prior.condition(at, np.array([4.0]), 1.0).predict(at)
     assert mean == pytest.approx(1 + 9 / (9 + 2.25) * 3)
     assert deviation**2 == pytest.approx(9 * 2.25 / (9 + 2.25))
 
@@ -91,11 +93,10 @@ def test_expanders_are_those_whose_best_case_makes_another_point_safe(posterior,
     at, beta = np.random.default_rng(3).normal(size=(60, 3)), 2.0
     mean, deviation = posterior.predict(at)
     unsafe = at[mean - beta * deviation < floor]
-    values = posterior.mean + np.linalg.solve(posterior.whitening, posterior.residuals)
     expected = []
     for point, upper in zip(at, mean + beta * deviation, strict=True):
-        noises = np.append(np.full(len(values), PRIOR.noise), 1e-6)
-        known = np.vstack([posterior.points, point]), np.append(values, upper)
+        noises = np.append(np.full(len(FLOWN), PRIOR.noise), 1e-6)
+        known = np.vstack([FLOWN, point]), np.append(PERFORMANCES, upper)
         expected.append((bounds_without_noise(*known, noises, unsafe, posterior.mean, PRIOR, beta) >= floor).any())
     assert expanders(posterior, at, unsafe, floor, beta).tolist() == expected
     assert sum(expected) > 0

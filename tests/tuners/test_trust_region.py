@@ -10,7 +10,7 @@ import pytest
 
 from hotlap import tuners
 from hotlap.tuners import trust_region
-from hotlap.tuners.surrogates.anisotropic_process import Kernel
+from hotlap.tuners.surrogates.gaussian_process import Kernel
 from hotlap.tuners.trust_region import LEAST_INITIAL, PRESETS, TrustRegion, TrustRegionSettings, shifted_sobol
 from hotlap.tuners.unit_box import latin_hypercube
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
-from hotlap.tuners.surrogates.gate_process import GateKernel, Group, climb, condition, gate_groups
+from hotlap.tuners.surrogates.gate_process import GateKernel, Group, climb_at_random, condition, gate_groups
 from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
 
 Floats = NDArray[np.float64]
@@ -117,7 +117,7 @@ class GateGp(Walk[GateGpSettings]):
         if self._kernel is None or len(costs) % REFIT == 0:
             first, later = STRIDES
             start, strides = (GateKernel.prior(points.shape[2]), first) if self._kernel is None else (self._kernel, later)
-            self._kernel = climb(points, groups, start, strides, self._rng)
+            self._kernel = climb_at_random(points, groups, start, strides, self._rng)
         posterior = condition(points, groups, self._kernel)
         values = self._value(*posterior.predict(points), 0.0)
         if self._rng.random() < self.settings.restart_probability:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
 from hotlap.tuners.subspace import SPACING, Direction, Lattice, axes_of, draw_direction
-from hotlap.tuners.surrogates.gaussian_process import Conditioned, Prior, condition
+from hotlap.tuners.surrogates.gaussian_process import Posterior, Prior
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -175,13 +175,13 @@ class SafeBayesian:
         best = max(range(len(self._points)), key=lambda i: (self._performances[i], i))
         return np.clip(self._points[best] + SPACING * draw_direction(self._axes, self._rng)[0], self._low, self._high)
 
-    def _posterior(self) -> Conditioned:
+    def _posterior(self) -> Posterior:
         """After all flights; away from them the performance is believed to be at the floor."""
         prior, noise = self.settings.prior, float(self._baseline().std())
         values = np.maximum(self._performances, self.floor - DEPTH * prior.signal)
-        return condition(np.array(self._points), values, self.floor, Prior(prior.length, prior.signal, max(prior.noise, noise)))
+        return replace(prior, noise=max(prior.noise, noise)).condition(np.array(self._points), values, self.floor)
 
-    def _follow_line(self, posterior: Conditioned) -> None:
+    def _follow_line(self, posterior: Posterior) -> None:
         """Count flights on a line; when it is done, lay the next one through the flight of the highest lower bound."""
         if self._left == 0:
             flown = np.array(self._points)
@@ -201,7 +201,7 @@ class SafeBayesian:
         return np.where(point == 0.0, self._first, moved)
 
 
-def choose(posterior: Conditioned, points: Floats, floor: float, settings: SafeBayesianSettings) -> int:
+def choose(posterior: Posterior, points: Floats, floor: float, settings: SafeBayesianSettings) -> int:
     """Index of the next point: of the safe set S_n = {l_n >= J_min}, of which the first point always is.
 
     SafeOpt takes the widest bounds of the maximisers M_n = {u_n >= max l_n} and the expanders G_n (Berkenkamp and others, Sec. IV).
@@ -218,7 +218,7 @@ def choose(posterior: Conditioned, points: Floats, floor: float, settings: SafeB
     return int(np.argmax(np.where(useful, deviation, -np.inf)))
 
 
-def expanders(posterior: Conditioned, points: Floats, unsafe: Floats, floor: float, beta: float) -> Flags:
+def expanders(posterior: Posterior, points: Floats, unsafe: Floats, floor: float, beta: float) -> Flags:
     """Whether a point, were it as good as its upper bound, would make an unsafe one safe: g_n > 0, shape (m,).
 
     Differs from the authors' code: the supposed performance is u_n without noise, since u_n bounds that.

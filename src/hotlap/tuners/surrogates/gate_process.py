@@ -1,49 +1,49 @@
-"""Gate processes: how far each gate is missed, as a Gaussian process of the parameters flown until then, not of those flown later.
+"""Gate processes: the miss at each gate as a Gaussian process of the parameters of its own and of earlier segments.
 
-A flight over M gates says M things, and a later segment cannot change an earlier gate. The gates of a segment share a kernel, Matern 5/2
-over the parameters of their segment and, less and less, of those before it; all segments share its lengths, so that these are learned
-from every gate of every flight. Values are logarithms of distance over the judge's, within `NEAREST` and `FARTHEST`.
+The miss at a gate is log(D / d), D the distance from the gate and d the one that the judge allows, limited to `NEAREST` and `FARTHEST`.
+Parameters of later segments cannot change it. The gates of a segment share a Matern 5/2 covariance of the parameters of their segment and
+of the segments before it, weighted by powers of `carry`. All gates share the length scales, so that every gate of every flight is data for
+them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
-Reals = TypeVar("Reals", Floats, Singles)
+from hotlap.tuners.surrogates.gaussian_process import Posterior, fit, log_likelihood, spread_of
 
-NEAREST, FARTHEST = float(np.log(0.25)), float(np.log(3.0))  # what a miss counts as at least and at most
+Floats = NDArray[np.float64]
+
+NEAREST, FARTHEST = float(np.log(0.25)), float(np.log(3.0))  # limits of a miss, log(D / d)
 UNKNOWN = (0.5, 1.0, 0.5)  # mean, standard deviation and noise of the gates of a segment that was reached fewer than twice
 LEAST_SPREAD = 0.05  # standard deviation of a gate's values
 LEAST_NOISE = 1e-3  # variance, over that of the signal
 LEAST_VARIANCE = 1e-4  # of the signal, over that of the values
 CENTRE = (np.log(3.0), 0.0, np.log(0.15))  # of the prior: logarithm of a length, logit of `carry`, logarithm of `noise`
 SPREAD = (1.0, 1.5, 1.0)
-STRIDES = (0.5, 0.7, 0.5)  # of a climb, likewise; every other one is `SHORT` of it
+STRIDES = (0.5, 0.7, 0.5)  # standard deviations of a step of the random search, likewise; of every other step `SHORT` times these
 SHORT = 0.3
-TOGETHER, SINGLE = 0.4, 0.6  # share of strides that change all lengths alike, and by which each number is changed
-ROWS = 100  # latest flights that the likelihood is asked about
+TOGETHER, SINGLE = 0.4, 0.6  # chance that a step changes all lengths alike; chance that it changes a given number
+ROWS = 100  # latest flights that enter the likelihood
 
 
 @dataclass(frozen=True)
 class GateKernel:
-    """The kernel of all gates, as numbers without bounds.
+    """Hyperparameters of the covariance of all gates, transformed so that they have no bounds.
 
     Attributes:
-        numbers: shape (K + 2,): logarithms of the lengths, logit of what a segment carries over to the next, logarithm of the noise's
-            variance over the signal's.
+        numbers: shape (K + 2,): logarithms of the length scales; logit of `carry`, the weight of a segment's parameters at the gates of the
+            next one; logarithm of the variance of the noise over that of the signal.
     """
 
     numbers: Floats
 
     @staticmethod
     def prior(size: int) -> GateKernel:
-        """The most likely one before there are data, of `size` parameters."""
+        """The mode of the prior, for `size` parameters."""
         return GateKernel(np.array([CENTRE[0]] * size + list(CENTRE[1:])))
 
     @property
@@ -52,9 +52,10 @@ class GateKernel:
         return LEAST_NOISE + float(np.exp(self.numbers[-1]))
 
     def features(self, points: Floats, segment: int | None) -> Floats:
-        """Points, shape (n, S, K), as what the gates of a segment depend on: distances are those of the kernel, shape (n, d).
+        """Points of shape (n, S, K) in units of the length scales, weighted for the gates of a segment, shape (n, d).
 
-        Parameters that move alike in all segments are as far apart for every gate. Where no segment is named, all count alike.
+        The squares of the weights sum to one, so that a change that is the same in all segments is the same distance for every gate.
+        Without a segment all weights are equal.
         """
         carry, until = 1 / (1 + np.exp(-self.numbers[-2])), points.shape[1] - 1 if segment is None else segment
         weights = np.ones(until + 1) if segment is None else carry ** np.arange(until, -1, -1.0)
@@ -65,13 +66,13 @@ class GateKernel:
 
 @dataclass(frozen=True)
 class Group:
-    """Values that depend on the same parameters: those of a segment's gates.
+    """Values that depend on the same parameters: the misses at the gates of a segment.
 
     Attributes:
-        segment: until which parameters matter; None: all matter alike.
-        columns: indices of the values.
-        rows: indices of the flights in which any of them is known.
-        values: shape (rows, columns); what is not known there counts as `FARTHEST`.
+        segment: index of the segment; None: the values depend on all segments alike.
+        columns: indices of the gates.
+        rows: indices of the flights in which the miss at any of these gates was measured.
+        values: shape (rows, columns); `FARTHEST` where a miss was not measured.
     """
 
     segment: int | None
@@ -82,32 +83,19 @@ class Group:
 
 @dataclass(frozen=True)
 class Known:
-    """A group after its flights, of which there are n.
-
-    Attributes:
-        group: what is known.
-        features: shape (n, d).
-        mean: shape (columns,).
-        scale: shape (columns,), standard deviation of the signal.
-        weights: shape (n, columns).
-        whitening: shape (n, n) W with W W' the inverse of the kernel matrix.
-    """
+    """A group and its process after the flights: a column of values for each gate."""
 
     group: Group
-    features: Floats
-    mean: Floats
-    scale: Floats
-    weights: Floats
-    whitening: Singles
+    process: Posterior
 
 
 @dataclass(frozen=True)
 class GatePosterior:
-    """What is known of M values.
+    """The processes of M gates after the flights.
 
     Attributes:
-        kernel: of all values.
-        known: the groups that have been seen at least twice.
+        kernel: of all gates.
+        known: the groups with at least two flights.
         size: M.
     """
 
@@ -120,13 +108,10 @@ class GatePosterior:
         means, deviations = (np.full((len(points), self.size), value) for value in UNKNOWN[:2])
         noises = np.full(self.size, UNKNOWN[2])
         for one in self.known:
+            columns = one.group.columns
             features = self.kernel.features(points, one.group.segment)
-            across = matern(features.astype(np.float32), one.features.astype(np.float32))  # four times as fast
-            reduced = across @ one.whitening
-            variance = np.maximum(1.0 - np.einsum("ij,ij->i", reduced, reduced), 1e-6)
-            means[:, one.group.columns] = one.mean + across @ one.weights
-            deviations[:, one.group.columns] = np.sqrt(variance)[:, None] * one.scale
-            noises[one.group.columns] = one.scale * np.sqrt(self.kernel.noise)
+            means[:, columns], deviations[:, columns] = one.process.predict(features)
+            noises[columns] = one.process.scale * np.sqrt(self.kernel.noise)
         return means, deviations, noises
 
 
@@ -148,29 +133,27 @@ def gate_groups(misses: Floats, segments: NDArray[np.int64]) -> list[Group]:
 
 
 def condition(points: Floats, groups: list[Group], kernel: GateKernel) -> GatePosterior:
-    """What is known after flights at points, shape (n, S, K)."""
+    """The processes of all gates given the misses of flights at points, shape (n, S, K)."""
     known = []
     for group in groups:
         if len(group.rows) < 2:
             continue
         features = kernel.features(points[group.rows], group.segment)
-        mean, spread = group.values.mean(axis=0), _spread(group.values)
-        whitening = np.linalg.inv(_factor(features, kernel.noise))
-        rotated = whitening @ ((group.values - mean) / spread)
-        scale = np.sqrt(np.maximum((rotated**2).mean(axis=0), LEAST_VARIANCE))
-        weights = (whitening.T @ rotated) * spread
-        known.append(Known(group, features, mean, spread * scale, weights, whitening.T.astype(np.float32)))
+        process = fit(features, group.values, kernel.noise, least_spread=LEAST_SPREAD, least_variance=LEAST_VARIANCE)
+        known.append(Known(group, process.in_single_precision()))
     return GatePosterior(kernel, tuple(known), sum(len(group.columns) for group in groups))
 
 
-def climb(points: Floats, groups: list[Group], start: GateKernel, strides: int, rng: np.random.Generator) -> GateKernel:
-    """A likelier kernel, found by random strides of which those that lead upwards are taken.
+def climb_at_random(points: Floats, groups: list[Group], start: GateKernel, strides: int, rng: np.random.Generator) -> GateKernel:
+    """A kernel of higher posterior density, by a random search: a step is taken where the density rises.
+
+    By chance and not by its gradient, since the published results of gate_gp were measured so and shall stay as they are, bit for bit.
 
     Args:
-        points: shape (n, S, K).
-        groups: what was flown there.
-        start: where the climb begins.
-        strides: how many are tried.
+        points: shape (n, S, K), logarithms of the parameters in units of `log_step`.
+        groups: the misses measured there.
+        start: the kernel that the search begins at.
+        strides: number of steps that are tried.
         rng: the source of chance.
     """
     latest = [_latest(group, len(points)) for group in groups]
@@ -190,47 +173,25 @@ def climb(points: Floats, groups: list[Group], start: GateKernel, strides: int, 
 
 
 def log_posterior(points: Floats, groups: list[Group], kernel: GateKernel) -> float:
-    """Marginal likelihood of all values at the signal's best variances, times the prior of the shape; without constants.
-
-    Rasmussen, Williams, "Gaussian processes for machine learning", 2006, Eq. 5.8.
+    """Logarithm of the posterior density of a kernel, without constants: the marginal likelihood of all misses, times the prior of `numbers`.
 
     Args:
         points: shape (n, S, K).
-        groups: what was flown there.
-        kernel: what is asked about.
+        groups: the misses measured there.
+        kernel: whose density is asked for.
     """
     size = len(kernel.numbers) - len(CENTRE) + 1
     centre, spread = (np.array([three[0]] * size + list(three[1:])) for three in (CENTRE, SPREAD))
     total = -0.5 * float((((kernel.numbers - centre) / spread) ** 2).sum())
     for group in groups:
-        count = len(group.rows)
-        if count < 3:
+        if len(group.rows) < 3:
             continue
-        factor = _factor(kernel.features(points[group.rows], group.segment), kernel.noise)
-        centred = (group.values - group.values.mean(axis=0)) / _spread(group.values)
-        variance = np.maximum((np.linalg.solve(factor, centred) ** 2).mean(axis=0), 1e-9)
-        total -= float((0.5 * count * np.log(variance) + np.log(np.diag(factor)).sum()).sum())
+        centred = (group.values - group.values.mean(axis=0)) / spread_of(group.values, LEAST_SPREAD)
+        total += log_likelihood(kernel.features(points[group.rows], group.segment), centred, kernel.noise)
     return total
 
 
-def matern(a: Reals, b: Reals) -> Reals:
-    """(1 + r + r^2 / 3) exp(-r), r = sqrt(5) |a - b|, shape (m, n), in the precision of its arguments."""
-    square = np.einsum("ij,ij->i", a, a)[:, None] + np.einsum("ij,ij->i", b, b) - 2 * (a @ b.T)
-    r = np.sqrt(5 * np.maximum(square, 0))
-    return (1 + r + r * r / 3) * np.exp(-r)
-
-
-def _factor(features: Floats, noise: float) -> Floats:
-    """L with L L' the kernel matrix of noisy values."""
-    return np.asarray(np.linalg.cholesky(matern(features, features) + noise * np.eye(len(features))), dtype=np.float64)
-
-
-def _spread(values: Floats) -> Floats:
-    """Standard deviation of each column, shape (columns,)."""
-    return np.maximum(values.std(axis=0), LEAST_SPREAD)
-
-
 def _latest(group: Group, count: int) -> Group:
-    """A group without what was flown more than `ROWS` flights ago."""
+    """A group without the flights before the latest `ROWS`."""
     kept = group.rows >= count - ROWS
     return Group(group.segment, group.columns, group.rows[kept], group.values[kept])
