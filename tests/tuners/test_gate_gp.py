@@ -92,8 +92,9 @@ def play(tuner: tuners.Tuner, flights: int, noise: np.random.Generator) -> np.nd
 
 @pytest.mark.parametrize("before", [3, 30, 205])
 def test_saved_and_restored_it_goes_on_with_its_gates(before):
-    kept = begin("gate_gp:one_generation")
-    play(kept, before, np.random.default_rng(0))
+    kept, flown = begin("gate_gp:one_generation"), SPACE.from_unit(np.random.default_rng(3).random((before, SEGMENTS, 3)))
+    kept.tell(flown, fly(flown, np.random.default_rng(4), unreached=True))
+    play(kept, 3, np.random.default_rng(0))
     saved = json.dumps(kept.state(), allow_nan=False)
     assert before < 30 or "null" in saved, "some gates were not reached"
     resumed = begin("gate_gp:one_generation", seed=9)

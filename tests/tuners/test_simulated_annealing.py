@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -29,20 +28,33 @@ def test_logarithmic_cooling_falls_as_the_logarithm():
     assert settings.temperature(1022) == pytest.approx(0.8)
 
 
+class Chance:
+    """A random generator whose next threshold of a decision, -log u, is set."""
+
+    def __init__(self) -> None:
+        self.rng, self.threshold = np.random.default_rng(5), np.inf
+
+    def __getattr__(self, name):
+        return getattr(self.rng, name)
+
+    def standard_exponential(self) -> float:
+        return self.threshold
+
+
 @pytest.mark.parametrize("cooling", list(Cooling))
-def test_each_decision_is_taken_at_the_temperature_of_its_turn(cooling):
-    """Over many runs, the k-th decision takes a cost of 3 more with probability exp(-3 / T_k)."""
+@pytest.mark.parametrize("turn", range(6))
+def test_each_decision_is_taken_at_the_temperature_of_its_turn(cooling, turn):
+    """A cost of 3 more is accepted where u < exp(-3 / T_k), k the decision's number."""
     settings = SimulatedAnnealingSettings(WALK, cooling, factor=0.6, coldest=1.0)
-    space, runs, taken = laws.make_space(), 3000, np.zeros(6)
-    tuner, rng = SimulatedAnnealing("under test", settings), np.random.default_rng(5)
-    for _ in range(runs):
+    limit, space, verdicts = 3.0 / settings.temperature(turn), laws.make_space(), []
+    for threshold in (limit * (1 - 1e-9), limit * (1 + 1e-9)):
+        tuner, rng = SimulatedAnnealing("under test", settings), Chance()
         tuner.start(space.first_guess(1), space, rng)
-        tuner.tell(tuner.ask(1), laws.make_scores(np.zeros(1)))
-        for k in range(6):
-            cost = tuner._chain._cost  # of where it stands
-            taken[k] += tuner.tell(tuner.ask(1), laws.make_scores(np.array([cost + 3.0])))[0]
-    expected = np.array([math.exp(-3.0 / settings.temperature(k)) for k in range(6)])
-    np.testing.assert_array_less(np.abs(taken / runs - expected), 4 * np.sqrt(expected * (1 - expected) / runs))
+        for k in range(turn + 2):  # the first guess, and decisions that all accept but for the last
+            rng.threshold = threshold if k == turn + 1 else np.inf
+            [accepted] = tuner.tell(tuner.ask(1), laws.make_scores(np.array([3.0 * k])))
+        verdicts.append(bool(accepted))
+    assert verdicts == [False, True]
 
 
 def test_without_cooling_it_is_the_sampler_bit_for_bit():

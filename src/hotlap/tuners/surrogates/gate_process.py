@@ -173,7 +173,7 @@ def climb_at_random(points: Floats, groups: list[Group], start: GateKernel, stri
 
 
 def log_posterior(points: Floats, groups: list[Group], kernel: GateKernel) -> float:
-    """Logarithm of the posterior density of a kernel, without constants: the marginal likelihood of all misses, times the prior of `numbers`.
+    """Logarithm of a kernel's posterior density, without constants: marginal likelihood of all misses, times the prior of `numbers`.
 
     Args:
         points: shape (n, S, K).
