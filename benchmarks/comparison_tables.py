@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from hotlap.analysis.comparison import Run
 from hotlap.analysis.comparison_table import Row, overall, summarise
 from hotlap.analysis.runs_file import RunsFile
+from hotlap.tuners.renamed import current_name
 
 RACES = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")  # of Table I
 TABLE_I: Mapping[str, tuple[int, ...]] = {  # the paper's completion [%] on them
@@ -70,8 +72,9 @@ def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    done = RunsFile(parser.parse_args().folder).done
-    latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # older runs had other settings
+    read = RunsFile(parser.parse_args().folder).done
+    done = {key: replace(run, tuner=current_name(run.tuner)) for key, run in read.items()}  # recorded under the names of then
+    latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # what was flown with other settings is out of date
     runs = [run for (key, _), run in done.items() if latest[run.race, run.tuner] == key]
     names = sorted(dict.fromkeys(run.race for run in runs), key=_place)
     suites = [[name for name in names if not name.startswith("airsim")], [name for name in names if name.startswith("airsim")]]

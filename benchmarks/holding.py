@@ -8,6 +8,7 @@ that a rule is not evaluated by its own flights. Results are kept in `--out`; th
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ from hotlap.planning.preparation import prepare
 from hotlap.system.journal import LinesFile
 from hotlap.system.process_pool import spread
 from hotlap.system.processors import available
+from hotlap.tuners.renamed import current_name
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
@@ -83,6 +85,13 @@ def fly(case: Case) -> Iterator[list[dict[str, Any]]]:
     ]
 
 
+class Kept(LinesFile):
+    """Results by case; those recorded under a tuner's name of then count for its name of today."""
+
+    def _parsed(self, plain: Any) -> tuple[str, Any]:
+        return re.sub(r"(?<=tuner=')[^']*", lambda found: current_name(found[0]), plain["key"]), plain["value"]
+
+
 def shown(runs: Sequence[dict[str, Any]], least: float) -> str:
     """Runs that confirm a result with at least this success rate over the fresh flights [%] / median of all flights of a run."""
     holding = np.mean([run["confirmed"] and run["share"] >= least for run in runs])
@@ -101,7 +110,7 @@ def main() -> None:
     options = parser.parse_args()
     rules = [(guess, *rule) for guess in options.guesses for rule in RULES]
     cases = {(race, rule): Case(race, *rule, options.seeds, options.budget) for race in options.races for rule in rules}
-    with LinesFile.opened(options.out) as kept:
+    with Kept.opened(options.out) as kept:
         missing = [case for case in cases.values() if repr(case) not in kept.done]
         for count, (case, runs) in enumerate(spread(fly, missing, options.jobs), 1):
             kept.add(repr(case), runs)
