@@ -10,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hotlap.analysis.comparison import Run
+from hotlap.analysis.comparison import Run, RunJournal
 from hotlap.analysis.comparison_table import Row, overall, summarise
-from hotlap.analysis.runs_file import RunsFile
 from hotlap.tuners.renamed import current_name
 
 RACES = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")  # of Table I
@@ -72,7 +71,7 @@ def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    read = RunsFile(parser.parse_args().folder).done
+    read = RunJournal(parser.parse_args().folder).done
     done = {key: replace(run, tuner=current_name(run.tuner)) for key, run in read.items()}  # recorded under the names of then
     latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # what was flown with other settings is out of date
     runs = [run for (key, _), run in done.items() if latest[run.race, run.tuner] == key]

@@ -29,7 +29,7 @@ from hotlap.first_guess.training_set import shipped
 from hotlap.planning.preparation import prepare
 from hotlap.race.random_tracks import random_track
 from hotlap.reference.scenario import Scenario
-from hotlap.system.journal import LinesFile
+from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -105,7 +105,7 @@ def judge_unseen(lesson: Lesson) -> Iterator[dict[str, Any]]:
     yield found
 
 
-def left_out(kept: LinesFile, jobs: int) -> Iterator[str]:
+def left_out(kept: Journal, jobs: int) -> Iterator[str]:
     """A table for each suite, with one row for each method."""
     known = {(race.track, race.vehicle) for race in shipped().races}
     asked = [one for one in lessons() if one.vehicle in VEHICLES.values() and (one.race.track.name, one.vehicle) in known]
@@ -123,7 +123,7 @@ def left_out(kept: LinesFile, jobs: int) -> Iterator[str]:
             yield f"| {name} | {error:.2f} | {share:.0f} | {' | '.join(cells)} |"
 
 
-def unseen(kept: LinesFile, jobs: int) -> Iterator[str]:
+def unseen(kept: Journal, jobs: int) -> Iterator[str]:
     """The table of success rates [%]: suites and methods by number of search flights."""
     asked = [
         Lesson(race_of(vehicle, random_track(seed), speed), vehicle)
@@ -147,7 +147,7 @@ def flights(count: int | None) -> float:
     return np.inf if count is None else count
 
 
-def run(kept: LinesFile, part: str, asked: Sequence[Lesson], work: Callable[[Lesson], Iterator[Any]], jobs: int) -> dict[str, Any]:
+def run(kept: Journal, part: str, asked: Sequence[Lesson], work: Callable[[Lesson], Iterator[Any]], jobs: int) -> dict[str, Any]:
     """Compute the results that are missing; all results by the keys of the races."""
     mark = f"{part} {shipped().fingerprint}"
     missing = [lesson for lesson in asked if f"{mark} {lesson.key}" not in kept.done]
@@ -165,7 +165,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("build/first-guess-study"))
     parser.add_argument("--jobs", type=int, default=0)
     options = parser.parse_args()
-    with LinesFile.opened(options.out / options.part) as kept:
+    with Journal.opened(options.out / options.part) as kept:
         for line in parts[options.part](kept, options.jobs):
             print(line)
     return 0

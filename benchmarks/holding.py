@@ -22,7 +22,7 @@ from hotlap import tuners
 from hotlap.core.success_rate import FLIGHTS
 from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
-from hotlap.system.journal import LinesFile
+from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
 from hotlap.system.processors import available
 from hotlap.tuners.renamed import current_name
@@ -85,7 +85,7 @@ def fly(case: Case) -> Iterator[list[dict[str, Any]]]:
     ]
 
 
-class Kept(LinesFile):
+class Kept(Journal):
     """Results by case; those recorded under a tuner's name of then count for its name of today."""
 
     def _parsed(self, plain: Any) -> tuple[str, Any]:

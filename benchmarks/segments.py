@@ -27,7 +27,7 @@ from hotlap.planning.preparation import prepare
 from hotlap.race.race import SegmentSwitch
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule, segment
-from hotlap.system.journal import LinesFile
+from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -93,7 +93,7 @@ def fly(case: Case) -> Iterator[dict[str, Any]]:
     }
 
 
-def run_cases(kept: LinesFile, cases: Sequence[Case], jobs: int) -> dict[Case, dict[str, Any]]:
+def run_cases(kept: Journal, cases: Sequence[Case], jobs: int) -> dict[Case, dict[str, Any]]:
     """Results of all cases; those that are missing are flown."""
     unique = list(dict.fromkeys(cases))
     missing = [case for case in unique if repr(case) not in kept.done]
@@ -110,7 +110,7 @@ def shown(results: Sequence[Mapping[str, Any]]) -> str:
     return f"{100 * np.mean(np.isfinite(counts)):.0f} / {f'{middle:.0f}' if np.isfinite(middle) else '-'}"
 
 
-def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
+def thresholds(kept: Journal, jobs: int) -> Iterator[str]:
     """Two tables for each race: results by number of segments, and by thresholds of the paper's rule."""
     for race in LONG:
         scenario, ways = prepare(race), {}
@@ -136,7 +136,7 @@ def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
             yield f"| {rise:g} | {ahead:g} | {' | '.join(cells)} |"
 
 
-def rules(kept: LinesFile, jobs: int) -> Iterator[str]:
+def rules(kept: Journal, jobs: int) -> Iterator[str]:
     """A table for each tuner: results by race and segmentation rule."""
     named = ("guided_walk:default", *SEGMENTED)
     cases = {(tuner, race, rule): Case(race, tuner, 6, rule) for tuner in named for race in SOLVABLE for rule in SegmentationRule}
@@ -150,7 +150,7 @@ def rules(kept: LinesFile, jobs: int) -> Iterator[str]:
         yield f"| all | {' | '.join(shown([results[cases[tuner, race, rule]] for race in SOLVABLE]) for rule in SegmentationRule)} |"
 
 
-def segment_switch(kept: LinesFile, jobs: int) -> Iterator[str]:
+def segment_switch(kept: Journal, jobs: int) -> Iterator[str]:
     """A table for each tuner: results by race with several segments, and segment switch."""
     several = [race for race in SOLVABLE if not race.rpartition("airsim-")[2].startswith("circle")]
     for tuner in SEGMENTED:
@@ -192,7 +192,7 @@ def by_class(case: Case, found: Sequence[Any]) -> tuple[tuple[str, tuple[float, 
     return tuple((kind, tuple(np.exp(np.median(np.log(own), axis=0)).tolist())) for kind, own in rows.items())
 
 
-def transfer(kept: LinesFile, jobs: int) -> Iterator[str]:
+def transfer(kept: Journal, jobs: int) -> Iterator[str]:
     """A matrix for each rule and suite: complete flights [%], tuned on the race of the row and flown on that of the column."""
     for suite, tuner in product((TABLE_I, tuple(race for race in SOLVABLE if race.startswith("airsim"))), ("guided_walk:segments",)):
         for rule in (SegmentationRule.PAPER, SegmentationRule.NONE):
@@ -228,7 +228,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("build/segments"))
     parser.add_argument("--jobs", type=int, default=0)
     options = parser.parse_args()
-    with LinesFile.opened(options.out / options.part) as kept:
+    with Journal.opened(options.out / options.part) as kept:
         for line in parts[options.part](kept, options.jobs):
             print(line)
     return 0

@@ -44,9 +44,10 @@ def unpack(packed):
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
-    asked = replace(configure(goal="mean_error<0.01", budget=60), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1)))
+    guess = np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1))
+    asked = replace(configure(goal="mean_error<0.01", budget=60), first_guess=guess, first_guess_name="my guesses/mine.toml")
     world = PlausibleWorld(noise=0.02)
-    return carry(tmp_path_factory.mktemp("study"), asked, world, "hotlap tune straight.toml --first-guess mine.toml")
+    return carry(tmp_path_factory.mktemp("study"), asked, world, "hotlap tune straight.toml --first-guess 'my guesses/mine.toml'")
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +148,12 @@ def test_the_command_is_the_one_that_was_given_and_names_the_first_guess(tmp_pat
     assert whole["headline"]["first_guess"] == "mine.toml"
     document = dump_study(begin(tmp_path, configure()), None)
     assert document["configuration"]["command"].endswith("--first-guess default")
-    assert document["headline"]["first_guess"] == "default"
+    assert document["headline"]["first_guess"] == "given", "a program gave numbers"
+
+
+def test_a_study_without_its_command_gets_one_that_names_the_first_guess(tmp_path):
+    asked = replace(configure(), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1)), first_guess_name="my guesses/mine.toml")
+    assert dump_study(begin(tmp_path, asked), None)["configuration"]["command"].endswith("--first-guess 'my guesses/mine.toml'")
 
 
 def test_many_samples_are_thinned_and_the_page_is_told_of_how_many(study):

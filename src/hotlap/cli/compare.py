@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from hotlap import tuners, worlds
-from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cells, missing
+from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of
 from hotlap.analysis.comparison_table import cells_of, markdown, overall, rows_of
-from hotlap.analysis.runs_file import RunsFile
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.cli.flying import make_ready
 from hotlap.cli.output import note, present, table, working
-from hotlap.cli.progress import follow_runs
+from hotlap.cli.progress import Flown, follow_pieces
 from hotlap.cli.stopping import remark
 from hotlap.core.errors import HotlapError, InputError, StudyError
 from hotlap.files.descriptions import load_race
@@ -21,8 +21,6 @@ from hotlap.planning.preparation import prepare
 from hotlap.race.controllers import ControllerKind
 from hotlap.race.race import Race
 from hotlap.reference.segmentation import SegmentationRule
-from hotlap.system.process_pool import spread
-from hotlap.system.processors import available
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
@@ -38,10 +36,7 @@ def run(options: Namespace) -> int:
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of a comparison")
     with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'compare', *options.arguments])}"):
-        with RunsFile.opened(folder) as kept:
-            _fly(cells, kept, options)
-        keys = {cell.key: cell for cell in cells}
-        runs = [kept.done[key, seed] for key, cell in keys.items() for seed in cell.seeds]
+        runs = ResumableJobs(folder, options.jobs, follow_pieces, note).compare(cells, Flown())
         pictures = _write(folder, runs)
         page = _write_page(folder, runs, pictures, options)
     rows, summary = rows_of(runs), overall(runs)
@@ -110,20 +105,6 @@ def _budgets(text: str) -> Mapping[str, int]:
     return budgets
 
 
-def _fly(cells: Sequence[Cell], kept: RunsFile, options: Namespace) -> None:
-    """Fly what is missing, and keep every run as it ends."""
-    keys = {(cell.race.name, cell.tuner): cell.key for cell in cells}
-    wanted = sum(len(cell.seeds) for cell in cells)
-    groups = missing(cells, kept.done, options.jobs or available())
-    before = wanted - sum(len(cell.seeds) for group in groups for cell in group)
-    if before:
-        note(f"{kept.path}: {before} of {wanted} runs are there already")
-    with follow_runs(wanted, before) as watch:
-        for _, (cell, run) in spread(fly_cells, groups, options.jobs):
-            kept.add((keys[cell.race.name, cell.tuner], run.seed), run)
-            watch(run)
-
-
 def _write(folder: Path, runs: Sequence[Run]) -> tuple[Path, ...]:
     """The tables and pictures."""
     (folder / TABLE).write_text(f"{markdown(overall(runs))}\n{markdown(rows_of(runs))}", encoding="utf-8")
@@ -142,7 +123,7 @@ def _write_page(folder: Path, runs: Sequence[Run], pictures: Sequence[Path], opt
 
     command = shlex.join(["hotlap", "compare", *options.arguments])
     try:
-        replace(folder / PAGE, compose_article(runs, pictures, RunsFile.file, command).html)
+        replace(folder / PAGE, compose_article(runs, pictures, RunJournal.file, command).html)
     except (HotlapError, OSError) as error:
         note(f"note: no page: {error}")
         return None

@@ -14,7 +14,8 @@ from rich.text import Text
 
 from hotlap.cli.output import Plain, note, percent
 from hotlap.core.success_rate import Validation
-from hotlap.tuning.loop import Batch, Candidate
+from hotlap.tuning.candidate import Candidate
+from hotlap.tuning.loop import Batch
 
 if TYPE_CHECKING:
     from hotlap.analysis.comparison import Run
@@ -30,7 +31,7 @@ def follow(budget: int, flown: int) -> Iterator[Watch]:
 
     Args:
         budget: flights at most.
-        flown: flights of earlier sittings.
+        flown: flights before this run of the program.
 
     Yields:
         What to call after each batch.
@@ -46,10 +47,10 @@ def follow(budget: int, flown: int) -> Iterator[Watch]:
         rate = Rate(flown)
 
         def watch(batch: Batch) -> None:
-            """Move the bar, and say above it what did not hold."""
+            """Move the bar, and report above it validations that failed."""
             progress.update(task, completed=batch.flights, state=f"{describe(batch.best)}, {rate(batch.flights)}")
-            for validation in batch.fallen:
-                progress.console.print(fell(validation), markup=False, highlight=False)
+            for validation in batch.failed_validations:
+                progress.console.print(describe_failure(validation), markup=False, highlight=False)
 
         yield watch
 
@@ -61,7 +62,7 @@ def follow_pieces(unit: str, wanted: int, done: int) -> Iterator[Callable[[str],
     Args:
         unit: what they are, in the plural.
         wanted: how many in all.
-        done: how many of them in earlier sittings.
+        done: how many of them before this run of the program.
 
     Yields:
         What to call with a few words on each piece that has ended.
@@ -95,14 +96,6 @@ def follow_stages(wanted: int) -> Iterator[Callable[[str], None]]:
     with Progress(BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn(), console=console, transient=True) as progress:
         task, behind = progress.add_task("stages", total=wanted, state=""), count()
         yield lambda words: progress.update(task, completed=next(behind), state=words)
-
-
-@contextmanager
-def follow_runs(wanted: int, done: int) -> Iterator[Callable[[Run], None]]:
-    """Show the runs of a comparison; yields what to call after each run."""
-    counts = Flown()
-    with follow_pieces("runs", wanted, done) as say:
-        yield lambda run: say(counts(run))
 
 
 class Pace(ProgressColumn):
@@ -193,8 +186,8 @@ class Lines:
 
     def __call__(self, batch: Batch) -> None:
         """Say how it stands, if it is time."""
-        for validation in batch.fallen:
-            note(fell(validation))
+        for validation in batch.failed_validations:
+            note(describe_failure(validation))
         if batch.done or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
             note(f"{batch.flights} of {self._budget} flights, best so far: {describe(batch.best)}, {self._rate(batch.flights)}")
@@ -206,6 +199,6 @@ def describe(best: Candidate) -> str:
     return f"completion {percent(best.completion)}{cost}{', confirmed' if best.confirmed else ''}"
 
 
-def fell(validation: Validation) -> str:
-    """A candidate that was confirmed and did not hold."""
+def describe_failure(validation: Validation) -> str:
+    """A confirmed candidate whose validation failed."""
     return f"a confirmed candidate held in {percent(validation.rate)} of {validation.flights} flights only; the search goes on"

@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from hotlap.analysis.resumable import Context
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
@@ -34,9 +34,9 @@ def run(options: Namespace) -> int:
         make_kind_ready(BuiltIn(), ControllerKind.MPC)
         for name in EXPERIMENTS if options.experiment == "all" else (options.experiment,):
             note(f"{name}:")
-            context = Context(folder / (f"{name}-quick" if options.quick else name), options.quick, options.jobs, follow_pieces)
-            page = EXPERIMENTS[name](context)
-            paths = _write(context.folder, page)
+            jobs = ResumableJobs(folder / (f"{name}-quick" if options.quick else name), options.jobs, follow_pieces, note)
+            page = EXPERIMENTS[name](jobs, quick=options.quick)
+            paths = _write(jobs.folder, page)
             pages.append((name, page, paths))
     document = {"experiments": {name: _dump(page, paths) for name, page, paths in pages}}
     lines = [line for _, page, paths in pages for line in (page.title, *(f"  {one}" for one in (*paths, *page.pictures)))]

@@ -79,7 +79,9 @@ def _configure(options: Namespace) -> tuple[World, Configuration]:
     with remark(f"nothing is lost; begin again with: {shlex.join(['hotlap', 'tune', *options.arguments])}"):
         scenario = scenario_for(make_scenario(load(options), options), tuner)
     first = read_guess(options.first_guess, scenario)
-    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first)
+    return world, Configuration(
+        scenario, world.name, settings.goal.metric, tuner.name, settings, first, first_guess_name=options.first_guess
+    )
 
 
 def _goal(text: str) -> Goal:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import math
-import re
 from typing import Any
 
 import numpy as np
@@ -17,14 +16,14 @@ from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.files import toml_writer
 from hotlap.files.descriptions import PARAMETERS_FILE
 from hotlap.planning.feasibility import mistaken
-from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.quadrotor import rotor_positions
 from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
 from hotlap.report.history import collect, succeeded
 from hotlap.report.page.replay import BEST, DEFAULT, FIRST, Replay
 from hotlap.report.scene import Repeats, Trace
-from hotlap.study.snapshot import Snapshot, begins_at_default
+from hotlap.study.snapshot import Snapshot
 
 FORMAT = 1
 MOST_SAMPLES, MOST_VALUES = 2000, 150_000  # search flights whose parameters are sent, and numbers in them
@@ -80,7 +79,7 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "tuner": asked.tuner,
         "goal": str(settings.goal),
         "seed": settings.seed,
-        "first_guess": first_guess_of(snapshot),
+        "first_guess": asked.first_guess_name,
         "state": "finished" if snapshot.finished else "running",
         "flights": 0 if result is None else result.flights,
         "search_flights": 0 if result is None else result.search_flights,
@@ -94,14 +93,6 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "wall_time": None if result is None else number(result.wall_time),
         "remark": "" if result is None else result.remark,
     }
-
-
-def first_guess_of(snapshot: Snapshot) -> str:
-    """Name of the first guess of the search."""
-    if begins_at_default(snapshot.configuration):
-        return "default"
-    given = re.search(r" --first-guess[ =](\S+)", snapshot.command)
-    return given[1] if given else "learned"
 
 
 def _validation(validation: Validation) -> dict[str, Any]:
@@ -204,14 +195,8 @@ def dump_scenario(scenario: Scenario) -> dict[str, Any]:
         "segment_names": [f"{i + 1} {kind}" for i, kind in enumerate(segments.segment_classes)],
         "reference": _reference(scenario),
         "limits": {"thrust": list(settings.thrust), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
-        "rotors": rotor_positions(vehicle),
+        "rotors": rotor_positions(vehicle.layout, vehicle.arm).tolist(),
     }
-
-
-def rotor_positions(quadrotor: Quadrotor) -> list[list[float]]:
-    """Positions of the four rotors relative to the centre of mass, [x, y] each [m] (body); from `race.quadrotor` once it has them."""
-    roll, pitch, _ = quadrotor.torque_matrix  # a rotor at (x, y) makes a roll torque of y and a pitch torque of -x per newton
-    return np.column_stack([0.0 - pitch, roll]).tolist()
 
 
 def _reference(scenario: Scenario) -> dict[str, Any]:
