@@ -6,7 +6,6 @@ What is kept is not computed again, unless the source code that decides about it
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
@@ -17,6 +16,7 @@ from hotlap.analysis.comparison import Cell, Run, RunJournal, fly_cells, missing
 from hotlap.system.disk_cache import digest_sources
 from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
+from hotlap.system.processors import available
 
 SOURCES = tuple(  # packages that decide about a flight, and so about all that is computed from flights
     f"hotlap.{name}"
@@ -94,7 +94,7 @@ class ResumableJobs:
         keys = {_combination(cell): cell.key for cell in cells}
         wanted = [(keys[_combination(cell)], seed) for cell in cells for seed in cell.seeds]
         with RunJournal.opened(self.folder, digest_code(fly_cells.__module__)) as kept:
-            groups = missing(cells, kept.done, self.processes or os.cpu_count() or 1)
+            groups = missing(cells, kept.done, self.processes or available())
             if before := sum(key in kept.done for key in wanted):
                 self.note(f"{kept.path}: {before} of {len(wanted)} runs are there already")
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Protocol
 
 from hotlap.analysis.resumable import ResumableJobs
+from hotlap.report.article import Article
 from hotlap.reproduce.experts import experts
 from hotlap.reproduce.initialisations import initialisations
 from hotlap.reproduce.landscapes import landscape
-from hotlap.reproduce.page import Page
 from hotlap.reproduce.robustness import robustness
 from hotlap.reproduce.tables import table1, table2, table3
 
@@ -17,7 +17,7 @@ from hotlap.reproduce.tables import table1, table2, table3
 class Experiment(Protocol):
     """An experiment of the paper."""
 
-    def __call__(self, jobs: ResumableJobs, *, quick: bool) -> Page:
+    def __call__(self, jobs: ResumableJobs, *, quick: bool) -> Article:
         """Fly what is missing, and write what was found.
 
         Args:

@@ -20,7 +20,7 @@ from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
-from hotlap.reproduce.page import Page, percent
+from hotlap.report.article import Article, percent
 from hotlap.tuning.goal import Goal, Quantity
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -100,7 +100,7 @@ def walk(wanted: Line) -> Iterator[list[float]]:
     yield completion.reshape(PLACES, FLIGHTS).mean(axis=1).tolist()
 
 
-def initialisations(jobs: ResumableJobs, *, quick: bool) -> Page:
+def initialisations(jobs: ResumableJobs, *, quick: bool) -> Article:
     """Twenty random starts, the lines between what they found, and long chains."""
     races = ("circle-34",) if quick else ("qualifier-20", "airsim-flip-16")
     count, budget, long = (2, 30, 50) if quick else (20, 1000, 5000)
@@ -108,7 +108,7 @@ def initialisations(jobs: ResumableJobs, *, quick: bool) -> Page:
     wanted += [Starts(load_race(race), CHAIN, 2 if quick else 4, long, keep=True) for race in races]
     results = jobs.each("searches", {one.label: one for one in wanted}, search)
     found = [(one, results[one.label]) for one in wanted]
-    page = Page("Random starts")
+    page = Article("Random starts")
     page.say(
         f"{count} searches begin at parameters drawn evenly in logarithms within the bounds, the same in all segments; {budget} flights, "
         "ten re-flights."
@@ -150,7 +150,7 @@ def _trace(result: Mapping[str, Any]) -> Floats:
     return np.array(result["trace"])
 
 
-def _show_traces(jobs: ResumableJobs, page: Page, race: str, traces: list[Floats]) -> None:
+def _show_traces(jobs: ResumableJobs, page: Article, race: str, traces: list[Floats]) -> None:
     """Parameters over flights."""
     from hotlap.report.reproduction import draw_traces  # noqa: PLC0415  matplotlib takes half a second to load
 
@@ -160,7 +160,7 @@ def _show_traces(jobs: ResumableJobs, page: Page, race: str, traces: list[Floats
     page.picture(path, "parameters over flights")
 
 
-def _say_lines(jobs: ResumableJobs, page: Page, race: str, optima: list[tuple[tuple[float, ...], ...]]) -> None:
+def _say_lines(jobs: ResumableJobs, page: Article, race: str, optima: list[tuple[tuple[float, ...], ...]]) -> None:
     """How completion fares between two optima."""
     pairs = list(combinations(range(len(optima)), 2))
     pairs = pairs[:: max(1, len(pairs) // MOST_LINES)]
@@ -176,7 +176,7 @@ def _say_lines(jobs: ResumableJobs, page: Page, race: str, optima: list[tuple[tu
     )
 
 
-def _show_chains(jobs: ResumableJobs, page: Page, race: str, chains: list[Floats]) -> None:
+def _show_chains(jobs: ResumableJobs, page: Article, race: str, chains: list[Floats]) -> None:
     """What long chains sample, and whether they agree."""
     from hotlap.report.reproduction import draw_marginals  # noqa: PLC0415  matplotlib takes half a second to load
 

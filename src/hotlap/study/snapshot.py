@@ -12,6 +12,7 @@ import numpy as np
 from hotlap.core.ledger import Ledger
 from hotlap.core.parameters import Parameters
 from hotlap.study.configuration import GIVEN, Configuration
+from hotlap.study.database import Database
 from hotlap.study.result import Result
 from hotlap.study.study import Study
 
@@ -60,16 +61,29 @@ def read_snapshot(study: Study) -> Snapshot:
         )
 
 
+def count_flights(folder: Path) -> int:
+    """Number of flights that a study has recorded, by one short query: cheap enough to be asked every second.
+
+    Raises:
+        StudyError: the study cannot be read.
+    """
+    database = Database(folder, owned=False)
+    try:
+        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
+    finally:
+        database.close()
+
+
 def _rebuild(configuration: Configuration) -> str:
     """A command that does the same, for a study that was begun by a program; what a command cannot say is left out."""
     settings = configuration.settings
     words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
-    name = "default" if _begins_at_default(configuration) else configuration.first_guess_name
+    name = "default" if begins_at_default(configuration) else configuration.first_guess_name
     return shlex.join(words if name == GIVEN else [*words, "--first-guess", name])
 
 
-def _begins_at_default(configuration: Configuration) -> bool:
+def begins_at_default(configuration: Configuration) -> bool:
     """Whether the first guess is the controller's default in every segment."""
     first = configuration.first_guess
     return np.array_equal(first, configuration.scenario.space.first_guess(len(first)))
