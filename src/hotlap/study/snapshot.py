@@ -12,6 +12,7 @@ import numpy as np
 from hotlap.core.ledger import Ledger
 from hotlap.core.parameters import Parameters
 from hotlap.study.configuration import GIVEN, Configuration
+from hotlap.study.database import Database
 from hotlap.study.result import Result
 from hotlap.study.study import Study
 
@@ -78,11 +79,11 @@ def _rebuild(configuration: Configuration) -> str:
     settings = configuration.settings
     words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
-    name = "default" if _begins_at_default(configuration) else configuration.first_guess_name
+    name = "default" if begins_at_default(configuration) else configuration.first_guess_name
     return shlex.join(words if name == GIVEN else [*words, "--first-guess", name])
 
 
-def _begins_at_default(configuration: Configuration) -> bool:
+def begins_at_default(configuration: Configuration) -> bool:
     """Whether the first guess is the controller's default in every segment."""
     first = configuration.first_guess
     return np.array_equal(first, configuration.scenario.space.first_guess(len(first)))
