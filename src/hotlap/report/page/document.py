@@ -97,7 +97,7 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
 
 
 def first_guess_of(snapshot: Snapshot) -> str:
-    """Name of the first guess of the search."""
+    """What the search began with, in a word."""
     if begins_at_default(snapshot.configuration):
         return "default"
     given = re.search(r" --first-guess[ =](\S+)", snapshot.command)
