@@ -15,7 +15,7 @@ from hotlap.files.descriptions import load_race
 from hotlap.first_guess.guess import first_guess
 from hotlap.first_guess.training_set import shipped
 from hotlap.planning.preparation import prepare
-from hotlap.report.article import Article
+from hotlap.reproduce.page import Page
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE
 from hotlap.tuning.goal import Goal, Quantity
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
@@ -58,7 +58,7 @@ def watch(wanted: Watched) -> Iterator[list[list[float]]]:
     yield flown
 
 
-def experts(context: Context) -> Article:
+def experts(context: Context) -> Page:
     """Completion of the best controller so far, over ours and the published curves."""
     from hotlap.report.reproduction import draw_curves  # noqa: PLC0415  matplotlib takes half a second to load
 
@@ -70,7 +70,7 @@ def experts(context: Context) -> Article:
     published, people, band = (np.array(values, dtype=np.float64) for values in (AUTOTUNE_CURVE, EXPERTS_CURVE, EXPERTS_BAND))
     curves["AutoTune (published)"] = (published, published, published)
     curves["four experts (published)"] = (people, people - band, np.minimum(people + band, 100))
-    page = Article("AutoTune against human experts")
+    page = Page("AutoTune against human experts")
     page.say(
         f"Completion [%] on {race} of the best flight so far, mean of {seeds} runs with one standard deviation; the published curves "
         "show the flights themselves, AutoTune's of one run, the experts' of four people. The simulators differ."

@@ -19,7 +19,7 @@ from hotlap.core.success_rate import wilson_interval
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.reference.scenario import Scenario
-from hotlap.report.article import Article, percent
+from hotlap.reproduce.page import Page, percent
 from hotlap.tuning.goal import Goal, Quantity
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -99,7 +99,7 @@ def walk(wanted: Line) -> Iterator[list[float]]:
     yield completion.reshape(PLACES, FLIGHTS).mean(axis=1).tolist()
 
 
-def initialisations(context: Context) -> Article:
+def initialisations(context: Context) -> Page:
     """Twenty random starts, the lines between what they found, and long chains."""
     races = ("circle-34",) if context.quick else ("qualifier-20", "airsim-flip-16")
     count, budget, long = (2, 30, 50) if context.quick else (20, 1000, 5000)
@@ -107,7 +107,7 @@ def initialisations(context: Context) -> Article:
     wanted += [Starts(race, CHAIN, 2 if context.quick else 4, long, keep=True) for race in races]
     named = {one.label: one for one in wanted}
     found = {named[label]: result for label, result in context.each("searches", named, search).items()}
-    page = Article("Random starts")
+    page = Page("Random starts")
     page.say(
         f"{count} searches begin at parameters drawn evenly in logarithms within the bounds, the same in all segments; {budget} flights, "
         "ten re-flights."
@@ -150,7 +150,7 @@ def _trace(result: Mapping[str, Any]) -> Floats:
     return np.array(result["trace"])
 
 
-def _show_traces(context: Context, page: Article, race: str, traces: list[Floats]) -> None:
+def _show_traces(context: Context, page: Page, race: str, traces: list[Floats]) -> None:
     """Parameters over flights."""
     from hotlap.report.reproduction import draw_traces  # noqa: PLC0415  matplotlib takes half a second to load
 
@@ -160,7 +160,7 @@ def _show_traces(context: Context, page: Article, race: str, traces: list[Floats
     page.picture(path, "parameters over flights")
 
 
-def _say_lines(context: Context, page: Article, race: str, optima: list[tuple[tuple[float, ...], ...]]) -> None:
+def _say_lines(context: Context, page: Page, race: str, optima: list[tuple[tuple[float, ...], ...]]) -> None:
     """How completion fares between two optima."""
     pairs = list(combinations(range(len(optima)), 2))
     pairs = pairs[:: max(1, len(pairs) // MOST_LINES)]
@@ -176,7 +176,7 @@ def _say_lines(context: Context, page: Article, race: str, optima: list[tuple[tu
     )
 
 
-def _show_chains(context: Context, page: Article, race: str, chains: list[Floats]) -> None:
+def _show_chains(context: Context, page: Page, race: str, chains: list[Floats]) -> None:
     """What long chains sample, and whether they agree."""
     from hotlap.report.reproduction import draw_marginals  # noqa: PLC0415  matplotlib takes half a second to load
 

@@ -16,7 +16,7 @@ from hotlap.core.success_rate import wilson_interval
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
-from hotlap.report.article import Article, percent
+from hotlap.reproduce.page import Page, percent
 from hotlap.tuning.objective import Objective
 
 MAPPED: Mapping[str, tuple[float, float]] = {"circle-34": (12.0, 34.0), "qualifier-20": (12.0, 20.0)}  # m/s, slow and fast
@@ -49,9 +49,9 @@ def scatter(wanted: Scatter) -> Iterator[dict[str, float]]:
     yield {"top": reference.max_speed, "mean": reference.mean_speed, **shares}
 
 
-def landscape(context: Context) -> Article:
+def landscape(context: Context) -> Page:
     """Maps over two parameters, slow and fast; and how rare good parameters are at each speed."""
-    page = Article("The landscape of completion")
+    page = Page("The landscape of completion")
     points, flights = (12, 2) if context.quick else (POINTS, FLIGHTS)
     page.say(
         f"Mean completion over {flights} flights with the same noise at every point, {points} x {points} points from bound to bound in "
@@ -68,7 +68,7 @@ def at_speed(race: Race, v_max: float) -> Race:
     return race.model_copy(update={"planning": race.planning.model_copy(update={"v_max": v_max})})
 
 
-def _map(context: Context, page: Article, name: str, asked: Landscape) -> None:
+def _map(context: Context, page: Page, name: str, asked: Landscape) -> None:
     """One pair of parameters, slow and fast."""
     from hotlap.report.reproduction import draw_maps  # noqa: PLC0415  matplotlib takes half a second to load
 
@@ -88,7 +88,7 @@ def _map(context: Context, page: Article, name: str, asked: Landscape) -> None:
     page.picture(path, f"completion over {asked.x} and {asked.y}")
 
 
-def _scatter(context: Context, page: Article) -> None:
+def _scatter(context: Context, page: Page) -> None:
     """The faster, the more sensitive: a table and a curve."""
     from hotlap.report.reproduction import draw_shares  # noqa: PLC0415  matplotlib takes half a second to load
 

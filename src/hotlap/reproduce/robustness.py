@@ -16,7 +16,7 @@ from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
-from hotlap.report.article import Article, percent
+from hotlap.reproduce.page import Page, percent
 from hotlap.reproduce.published import RACES
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -116,7 +116,7 @@ AXES: Mapping[str, tuple[str, Callable[[Race, float], Race], tuple[float, ...]]]
 SPREADS = (0.0, 0.1)  # of --randomise
 
 
-def robustness(context: Context) -> Article:
+def robustness(context: Context) -> Page:
     """A matrix for each axis: rows tuned, columns flown; and a line for tuning in randomised worlds."""
     base, seeds = load_race("circle-34" if context.quick else "qualifier-20"), 1 if context.quick else 5
     grids = _conditions(base, quick=context.quick)
@@ -130,7 +130,7 @@ def robustness(context: Context) -> Article:
         for target, race in races.items()
     }
     shares = context.each("flights", flights, carry)
-    page = Article("Robustness")
+    page = Page("Robustness")
     page.say(
         f"Mean completion [%] on {base.name} of {seeds} controllers, {FLIGHTS} flights each, tuned under the condition of a row and flown "
         "under that of a column. Neither the plan nor the controller knows of it, but for speed and layout, which change the plan. Tuned "
@@ -164,7 +164,7 @@ def _randomised(spread: float) -> str:
     return f"randomised by {spread:g}"
 
 
-def _show_matrix(context: Context, page: Article, axis: str, labels: list[str], shares: NDArray[np.float64]) -> None:
+def _show_matrix(context: Context, page: Page, axis: str, labels: list[str], shares: NDArray[np.float64]) -> None:
     """One axis: the matrix, and its mean on the diagonal and beside it."""
     from hotlap.report.reproduction import draw_matrix  # noqa: PLC0415  matplotlib takes half a second to load
 

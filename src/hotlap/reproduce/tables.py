@@ -20,7 +20,7 @@ from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.reference.segmentation import SegmentationRule
-from hotlap.report.article import Article, percent
+from hotlap.reproduce.page import Page, percent
 from hotlap.reproduce.published import RACES, TABLE_I, TABLE_II, TABLE_III
 from hotlap.tuning.loop import TuningSettings
 
@@ -53,7 +53,7 @@ def compensated(race: Race) -> Race:
     return race.model_copy(update={"name": f"{race.name}, latency known", "model": known})
 
 
-def table1(context: Context) -> Article:
+def table1(context: Context) -> Page:
     """Completion of every method on every track."""
     seeds = tuple(range(2 if context.quick else 20))
     races = [load_race(name) for name in (RACES[:2] if context.quick else RACES)]
@@ -72,7 +72,7 @@ def table1(context: Context) -> Article:
         for method, (tuner, budget) in methods.items()
     }
     runs = context.compare(list(cells.values()))
-    page = Article("Table I: completion")
+    page = Page("Table I: completion")
     page.say(
         "Mean completion [%] of the best candidate at the end of a run, with a 95 % interval by resampling, the paper's in round brackets; "
         f"below each, the share of runs that confirmed a controller [%] with Wilson's interval / median search flights. {len(seeds)} "
@@ -125,7 +125,7 @@ def median(flights: float) -> str:
     return f"{flights:.0f}" if np.isfinite(flights) else "-"
 
 
-def table2(context: Context) -> Article:
+def table2(context: Context) -> Page:
     """Lap times on the tracks of Game of Drones, as planned and with the fastest plan that holds."""
     names = ("circle-34",) if context.quick else (*GAME_OF_DRONES, "airsim-qualifier-20", "airsim-final-21")
     settings = TuningSettings(budget=40 if context.quick else 300, confirm=10, reliability=RELIABLE, validation=200)
@@ -134,7 +134,7 @@ def table2(context: Context) -> Article:
         race = load_race(name)
         do, judge = partial(_each, context, name, "plans", try_plan), partial(_each, context, name, "winners", judge_plan)
         found[name] = fastest(race, "guided_walk", settings, do, judge, most_rounds=1 if context.quick else 40)
-    page = Article("Table II: Game of Drones")
+    page = Page("Table II: Game of Drones")
     page.say(
         "Lap [s], largest and mean speed [m/s]. The teams' and AutoTune's figures are the paper's, flown by the simulator's quadrotor; "
         f"hotlap's are means over {FLOWN} flights with noise, of those that pass every gate, whose share is given. "
@@ -185,7 +185,7 @@ def _speeds(race: Race, plan_settings: PlanSettings | None, result: Mapping[str,
     return [f"{laps:.2f}", f"{top:.2f}", f"{mean:.2f}", f"{percent(len(whole) / FLOWN)} %"]
 
 
-def table3(context: Context) -> Article:
+def table3(context: Context) -> Page:
     """With and without first guess, segments, and one step for all of them; with one segment, tied steps are the same thing."""
     seeds = tuple(range(2 if context.quick else 20))
     settings = TuningSettings(budget=QUICK if context.quick else 300, reliability=0.0, validation=50)
@@ -215,7 +215,7 @@ def table3(context: Context) -> Article:
     )
     whole = "each of the seven races of a suite (airsim with final-21 in place of final-22, which is beyond the vehicle)"
     where = names[0] if context.quick else whole
-    page = Article("Table III: ablation")
+    page = Page("Table III: ablation")
     page.say(
         f"Share of runs that confirmed a controller [%] and median search flights, within {settings.budget} flights, with 95 % intervals; "
         f"{len(seeds)} seeds on {where}, for the intervals as if all were drawn independently. The paper, on Qualifier: "
