@@ -12,7 +12,6 @@ import numpy as np
 from hotlap.core.ledger import Ledger
 from hotlap.core.parameters import Parameters
 from hotlap.study.configuration import GIVEN, Configuration
-from hotlap.study.database import Database
 from hotlap.study.result import Result
 from hotlap.study.study import Study
 
@@ -59,19 +58,6 @@ def read_snapshot(study: Study) -> Snapshot:
             openings=tuple(study.openings),
             command=study.command or _rebuild(configuration),
         )
-
-
-def count_flights(folder: Path) -> int:
-    """Number of flights that a study has recorded, by one short query: cheap enough to be asked every second.
-
-    Raises:
-        StudyError: the study cannot be read.
-    """
-    database = Database(folder, owned=False)
-    try:
-        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
-    finally:
-        database.close()
 
 
 def _rebuild(configuration: Configuration) -> str:
