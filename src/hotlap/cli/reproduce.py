@@ -14,8 +14,8 @@ from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
 from hotlap.core.errors import InputError, StudyError
 from hotlap.race.controllers import ControllerKind
+from hotlap.report.article import Article
 from hotlap.reproduce.experiments import EXPERIMENTS
-from hotlap.reproduce.page import Page
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
@@ -44,7 +44,7 @@ def run(options: Namespace) -> int:
     return 0
 
 
-def _write(folder: Path, page: Page) -> tuple[Path, Path]:
+def _write(folder: Path, page: Article) -> tuple[Path, Path]:
     """The page in both its forms."""
     paths = folder / PAGE, folder / WEB
     for path, content in zip(paths, (page.markdown, page.html), strict=True):
@@ -52,6 +52,6 @@ def _write(folder: Path, page: Page) -> tuple[Path, Path]:
     return paths
 
 
-def _dump(page: Page, paths: tuple[Path, Path]) -> dict[str, Any]:
+def _dump(page: Article, paths: tuple[Path, Path]) -> dict[str, Any]:
     """What `--json` says of a page."""
     return {"page": str(paths[0]), "html": str(paths[1]), "pictures": [str(one) for one in page.pictures]}

@@ -71,7 +71,7 @@ def experts(jobs: ResumableJobs, *, quick: bool) -> Article:
     published, people, band = (np.array(values, dtype=np.float64) for values in (AUTOTUNE_CURVE, EXPERTS_CURVE, EXPERTS_BAND))
     curves["AutoTune (published)"] = (published, published, published)
     curves["four experts (published)"] = (people, people - band, np.minimum(people + band, 100))
-    page = Page("AutoTune against human experts")
+    page = Article("AutoTune against human experts")
     page.say(
         f"Completion [%] on {race.name} of the best flight so far, mean of {seeds} runs with one standard deviation; the published curves "
         "show the flights themselves, AutoTune's of one run, the experts' of four people. The simulators differ."

@@ -20,7 +20,7 @@ from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
-from hotlap.reproduce.page import percent
+from hotlap.report.article import Article, percent
 from hotlap.tuning.goal import Goal, Quantity
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective

@@ -16,7 +16,7 @@ from hotlap.core.success_rate import wilson_interval
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
-from hotlap.reproduce.page import percent
+from hotlap.report.article import Article, percent
 from hotlap.tuning.objective import Objective
 
 MAPPED: Mapping[str, tuple[float, float]] = {"circle-34": (12.0, 34.0), "qualifier-20": (12.0, 20.0)}  # m/s, slow and fast

@@ -16,7 +16,7 @@ from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
-from hotlap.reproduce.page import percent
+from hotlap.report.article import Article, percent
 from hotlap.reproduce.published import RACES
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective

@@ -20,7 +20,7 @@ from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.reference.segmentation import SegmentationRule
-from hotlap.reproduce.page import percent
+from hotlap.report.article import Article, percent
 from hotlap.reproduce.published import RACES, TABLE_I, TABLE_II, TABLE_III
 from hotlap.tuning.loop import TuningSettings
 
