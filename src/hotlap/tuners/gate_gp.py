@@ -7,7 +7,7 @@
    Gaussian steps in logarithms around the flown point that is predicted to be best; most are the same in all segments, the others move a
    range of segments only. The best candidate is the centre of the next generation; the best of the last generation is flown. k is drawn
    anew for each flight.
-3. The probability to pass counts a gate as passed where `MARGIN` is left, since the noise of the next flight is another one.
+3. A gate counts as passed only with `MARGIN` to spare, because the noise of the next flight is different.
 4. With `restart_probability` a proposal is a step from another good point; with a probability that begins at `exploration` and falls, it is
    drawn uniformly within the bounds: the first guess, or a local minimum, may be far from all parameters that pass the gates.
 
@@ -37,7 +37,7 @@ STRIDES = (20, 6)  # steps of the random search for the kernel: of the first upd
 STEP_SIZES = (math.log(0.1), math.log(1.5))  # range of the logarithm of a candidate's step size, in units of `step`
 CONFIDENCE = (math.log(0.3), math.log(3.0))  # range of log k of the lower confidence bound
 HALF_EXPLORATION, LEAST_EXPLORATION = 20, 0.25  # flights after which the probability of exploration is half; its least share
-MARGIN = 0.15  # of a miss log(D / d): left where a gate counts as passed; also the standard deviation of the model's own error
+MARGIN = 0.15  # by which log(D / d) must be below 0 for a gate to count as passed; also the standard deviation of the model's own error
 PROBIT = 1.7  # softplus(1.7 z) is close to -log of the probability that a standard normal variable is larger than z
 
 
