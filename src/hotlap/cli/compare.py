@@ -119,7 +119,7 @@ def _write(folder: Path, runs: Sequence[Run]) -> tuple[Path, ...]:
 
 def _write_page(folder: Path, runs: Sequence[Run], pictures: Sequence[Path], options: Namespace) -> str | None:
     """The same as one page that opens anywhere."""
-    from hotlap.report.comparison import compose_article  # noqa: PLC0415  only where there is something to show
+    from hotlap.report.comparison_article import compose_article  # noqa: PLC0415  only where there is something to show
 
     command = shlex.join(["hotlap", "compare", *options.arguments])
     try:

@@ -53,7 +53,7 @@ class ReferenceTime(StrEnum):
 
 
 def _of_kind(values: dict[str, Any], name: str) -> tuple[float, ...]:
-    """Bounds (`low`, `high`) or defaults of the tunable parameters of the chosen kind of controller."""
+    """Bounds or defaults of the controller's kind."""
     return getattr(TUNABLE[values.get("kind", ControllerKind.MPC)], name)
 
 
@@ -224,7 +224,7 @@ class Race(Described):
 
     @property
     def control_model(self) -> Quadrotor:
-        """The quadrotor that the controller's model describes: `model`, or the vehicle itself where no model is given."""
+        """What the controller takes the vehicle for."""
         return self.model or self.vehicle
 
     @property

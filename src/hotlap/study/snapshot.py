@@ -61,19 +61,6 @@ def read_snapshot(study: Study) -> Snapshot:
         )
 
 
-def count_flights(folder: Path) -> int:
-    """Number of flights that a study has recorded, by one short query: cheap enough to be asked every second.
-
-    Raises:
-        StudyError: the study cannot be read.
-    """
-    database = Database(folder, owned=False)
-    try:
-        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
-    finally:
-        database.close()
-
-
 def _rebuild(configuration: Configuration) -> str:
     """A command that does the same, for a study that was begun by a program; what a command cannot say is left out."""
     settings = configuration.settings
