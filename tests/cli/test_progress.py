@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hotlap.cli.output import finite, percent, table, working
-from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe_candidate, follow_pieces, follow_stages, pace
+from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe, follow_pieces, follow_stages, pace
 from hotlap.core.success_rate import Validation
 from hotlap.tuning.candidate import Candidate
 
@@ -31,9 +31,11 @@ def test_logs_get_a_line_every_few_seconds_and_one_at_the_end(capsys):
     lines = Lines(200, 40, clock)
     for flights in range(41, 61):
         clock.now += 1.0
-        failed = (Validation(200, 100),) * (flights == 52)
-        batch = SimpleNamespace(flights=flights, best=candidate(), failed_validations=failed, done=flights == 60)
-        lines(batch)  # pyright: ignore[reportArgumentType]
+        lines(
+            SimpleNamespace(
+                flights=flights, best=candidate(), failed_validations=(Validation(200, 100),) * (flights == 52), done=flights == 60
+            )
+        )  # pyright: ignore[reportArgumentType]
     said = capsys.readouterr().err.splitlines()
     assert said[0] == "45 of 200 flights, best so far: completion 50 %, cost 3.14, 1 flights/s"
     assert [line.partition(" ")[0] for line in said] == ["45", "50", "a", "55", "60"]
@@ -45,7 +47,7 @@ def test_a_rate_before_any_time_has_passed_is_none():
 
 
 def test_a_cost_that_is_infinite_is_left_out():
-    assert describe_candidate(candidate(cost=float("inf"), completion=0.0)) == "completion 0 %"
+    assert describe(candidate(cost=float("inf"), completion=0.0)) == "completion 0 %"
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,6 @@ import pytest
 
 from hotlap.cli import main
 from hotlap.cli.arguments import EXPERIMENTS as NAMED
-from hotlap.reproduce import initialisations
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE, RACES, TABLE_I
 from hotlap.reproduce.tables import METHODS, _budgets
@@ -28,7 +27,7 @@ def test_the_published_figures_are_whole():
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(initialisations, "MOST_LINES", 3)
+    monkeypatch.setattr("hotlap.reproduce.initialisations.MOST_LINES", 3)
     command = ["reproduce", name, "--quick", "--jobs", "1", "--out", str(tmp_path), "--json"]
     assert main(command) == 0
     first = json.loads(capsys.readouterr().out)["experiments"][name]

@@ -27,7 +27,7 @@ Watch = Callable[[Batch], None]
 
 @contextmanager
 def follow(budget: int, flown: int) -> Iterator[Watch]:
-    """Show the progress of a tuning.
+    """Show the batches of a tuning.
 
     Args:
         budget: flights at most.
@@ -48,7 +48,7 @@ def follow(budget: int, flown: int) -> Iterator[Watch]:
 
         def watch(batch: Batch) -> None:
             """Move the bar, and report above it validations that failed."""
-            progress.update(task, completed=batch.flights, state=f"{describe_candidate(batch.best)}, {rate(batch.flights)}")
+            progress.update(task, completed=batch.flights, state=f"{describe(batch.best)}, {rate(batch.flights)}")
             for validation in batch.failed_validations:
                 progress.console.print(describe_failure(validation), markup=False, highlight=False)
 
@@ -190,10 +190,10 @@ class Lines:
             note(describe_failure(validation))
         if batch.done or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
-            note(f"{batch.flights} of {self._budget} flights, best so far: {describe_candidate(batch.best)}, {self._rate(batch.flights)}")
+            note(f"{batch.flights} of {self._budget} flights, best so far: {describe(batch.best)}, {self._rate(batch.flights)}")
 
 
-def describe_candidate(best: Candidate) -> str:
+def describe(best: Candidate) -> str:
     """The best candidate in few words."""
     cost = f", cost {best.cost:.3g}" if math.isfinite(best.cost) else ""
     return f"completion {percent(best.completion)}{cost}{', confirmed' if best.confirmed else ''}"
