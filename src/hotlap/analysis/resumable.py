@@ -28,7 +28,7 @@ Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None
 
 
 @contextmanager
-def unseen(_unit: str, _wanted: int, _done: int) -> Iterator[Callable[[str], None]]:
+def no_progress(_unit: str, _wanted: int, _done: int) -> Iterator[Callable[[str], None]]:
     """Progress that shows nothing."""
     yield lambda _words: None
 
@@ -60,7 +60,7 @@ class ResumableJobs:
 
     folder: Path
     processes: int = 0
-    progress: Progress = unseen
+    progress: Progress = no_progress
     note: Callable[[str], None] = lambda _line: None
     _warned: bool = field(default=False, init=False)
 
