@@ -1,4 +1,4 @@
-"""What everything that can be written as TOML shares: frozen, checked, unknown keys refused."""
+"""The base of every description that can be written as TOML: frozen, checked, unknown keys refused."""
 
 from __future__ import annotations
 
