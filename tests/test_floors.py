@@ -1,6 +1,7 @@
 """Imports run one way: a package knows nothing of those above it, and none is left out of the order."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,7 @@ FLOOR_OF = {package: floor for floor, packages in enumerate(FLOORS) for package 
 PUBLIC_FACE = {"__init__.py", "__main__.py"}
 
 
+@cache
 def imports() -> list[tuple[str, str, str]]:
     """(file, its package, package that it imports) for every import of hotlap's own, wherever it stands in a file."""
     found = []

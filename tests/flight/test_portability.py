@@ -83,6 +83,7 @@ def control_period() -> str:
     return take_out_x86(control_period.inspect_llvm(signature))
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("triple", TRIPLES)
 def test_arm_flies_in_vectors(control_period, triple):
     llvm.initialize_all_targets()

@@ -61,6 +61,7 @@ def interpreted() -> dict[str, list[np.ndarray]]:
     return found
 
 
+@pytest.mark.check
 def test_the_interpreter_flies_what_plain_floats_fly(interpreted):
     scenario, rows = self_check.make_scenario(ControllerKind.MPC), self_check.compared(LANES.lanes)
     asked, seeds = self_check.draw_flights(scenario, LANES.lanes)
@@ -80,11 +81,13 @@ def test_the_flights_meet_bounds_and_leave_them():
 
 
 @pytest.mark.parametrize("kind", ControllerKind)
+@pytest.mark.check
 def test_lanes_agree_with_the_interpreter(kind, interpreted):
     assert self_check.same(self_check.fly_compiled(LANES, kind), interpreted[kind])
 
 
 @pytest.mark.parametrize("operation", WRONG)
+@pytest.mark.check
 def test_an_operation_that_means_something_else_is_found_out(operation, interpreted):
     assert not self_check.same(self_check.fly_compiled(LANES, ControllerKind.GEOMETRIC), interpreted[operation])
 

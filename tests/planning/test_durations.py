@@ -16,11 +16,11 @@ from . import small
 AUTHORS = [
     ("circle-34", 34, 8.648),
     ("flip-16", 16, 14.550),
-    ("spiral-53", 48, 17.954),
+    pytest.param("spiral-53", 48, 17.954, marks=pytest.mark.check),
     ("drop-20", 20, 12.697),
-    ("qualifier-20", 19, 24.107),
-    pytest.param("spiral20-53", 48, 33.028, marks=pytest.mark.slow),
-    pytest.param("split-s", None, 20.113, marks=pytest.mark.slow),
+    pytest.param("qualifier-20", 19, 24.107, marks=pytest.mark.check),
+    pytest.param("spiral20-53", 48, 33.028, marks=pytest.mark.check),
+    pytest.param("split-s", None, 20.113, marks=pytest.mark.check),
 ]
 
 

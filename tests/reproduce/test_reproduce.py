@@ -25,7 +25,10 @@ def test_the_published_figures_are_whole():
     assert len(AUTOTUNE_CURVE) == len(EXPERTS_CURVE) == len(EXPERTS_BAND) == 25
 
 
-@pytest.mark.parametrize("name", EXPERIMENTS)
+QUICKEST = {"table3", "landscape"}  # one that compares tuners, and one that flies a map
+
+
+@pytest.mark.parametrize("name", [name if name in QUICKEST else pytest.param(name, marks=pytest.mark.check) for name in EXPERIMENTS])
 def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("hotlap.reproduce.initialisations.MOST_LINES", 3)
     command = ["reproduce", name, "--quick", "--jobs", "1", "--out", str(tmp_path), "--json"]
