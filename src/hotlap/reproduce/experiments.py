@@ -1,25 +1,32 @@
-"""Experiments by name."""
+"""Experiments by name; none is loaded before it is performed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-from hotlap.analysis.resumable import Context
-from hotlap.reproduce.experts import experts
-from hotlap.reproduce.initialisations import initialisations
-from hotlap.reproduce.landscapes import landscape
-from hotlap.reproduce.page import Page
-from hotlap.reproduce.robustness import robustness
-from hotlap.reproduce.tables import table1, table2, table3
+if TYPE_CHECKING:
+    from hotlap.analysis.resumable import Context
+    from hotlap.reproduce.page import Page
 
-Experiment = Callable[[Context], Page]
-
-EXPERIMENTS: Mapping[str, Experiment] = {
-    "table1": table1,
-    "table2": table2,
-    "table3": table3,
-    "landscape": landscape,
-    "experts": experts,
-    "robustness": robustness,
-    "initialisations": initialisations,
+EXPERIMENTS: Mapping[str, str] = {
+    "table1": "tables",
+    "table2": "tables",
+    "table3": "tables",
+    "landscape": "landscapes",
+    "experts": "experts",
+    "robustness": "robustness",
+    "initialisations": "initialisations",
 }
+"""The module of this package that holds the function of each name."""
+
+
+def perform(name: str, context: Context) -> Page:
+    """Do what is missing of an experiment.
+
+    Args:
+        name: one of `EXPERIMENTS`.
+        context: where its results are kept, and how it is done.
+    """
+    return getattr(import_module(f"hotlap.reproduce.{EXPERIMENTS[name]}"), name)(context)

@@ -80,12 +80,12 @@ def build(name: str) -> Tuner:
     """
     algorithm, separator, preset = name.partition(":")
     if algorithm not in _ALGORITHMS and "." not in algorithm:
-        raise UnknownNameError("tuner", name, (*_ALGORITHMS, *names()), "--tuner")
+        raise UnknownNameError("tuner", name, (*_ALGORITHMS, *names()), key="tuner")
     make, presets = _ALGORITHMS[algorithm] if algorithm in _ALGORITHMS else _import(algorithm)
     if not separator or preset == "default":
         preset = next(iter(presets))
     if preset not in presets:
-        raise UnknownNameError(f"preset of {algorithm}", preset, (*presets, "default"), "--tuner")
+        raise UnknownNameError(f"preset of {algorithm}", preset, (*presets, "default"), key="tuner")
     return make(f"{algorithm}:{preset}", presets[preset])
 
 
@@ -97,11 +97,11 @@ def _import(path: str) -> tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]:
         made, presets = getattr(module, name), module.PRESETS
     except Exception as error:  # a module of someone else's may raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError("--tuner", "", f"{path} cannot be imported: {reason}") from error
+        raise InputError("", "tuner", f"{path} cannot be imported: {reason}") from error
     if not isinstance(made, type):
-        raise InputError("--tuner", "", f"{path} cannot be imported: it is no class")
+        raise InputError("", "tuner", f"{path} cannot be imported: it is no class")
     if not presets:
-        raise InputError("--tuner", "", f"{path} cannot be imported: its PRESETS are empty")
+        raise InputError("", "tuner", f"{path} cannot be imported: its PRESETS are empty")
     return made, presets
 
 
