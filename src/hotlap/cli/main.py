@@ -79,7 +79,12 @@ def _run(arguments: list[str]) -> int:
         sys.stdout.write(parser.format_help())
         return SUCCESS
     options.arguments = tuple(rest)
-    return import_module(f"hotlap.cli.{name}").run(options)
+    try:
+        return import_module(f"hotlap.cli.{name}").run(options)
+    except InputError as error:
+        if parser.as_option(error) is error:
+            raise
+        raise parser.as_option(error) from error
 
 
 def _look_here() -> None:

@@ -12,20 +12,19 @@ from typing import TYPE_CHECKING
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from hotlap.cli.output import Plain, note, percent
+from hotlap.api.wording import percent
+from hotlap.cli.output import Plain, note, working
 from hotlap.core.success_rate import Validation
-from hotlap.tuning.loop import Batch, Candidate
 
 if TYPE_CHECKING:
     from hotlap.analysis.comparison import Run
+    from hotlap.tuning.loop import Batch, Candidate
 
 INTERVAL = 5.0  # s between lines
 
-Watch = Callable[[Batch], None]
-
 
 @contextmanager
-def follow(budget: int, flown: int) -> Iterator[Watch]:
+def follow(budget: int, flown: int) -> Iterator[Callable[[Batch], None]]:
     """Show the batches of a tuning.
 
     Args:
@@ -103,6 +102,18 @@ def follow_runs(wanted: int, done: int) -> Iterator[Callable[[Run], None]]:
     counts = Flown()
     with follow_pieces("runs", wanted, done) as say:
         yield lambda run: say(counts(run))
+
+
+class Terminal:
+    """The progress of the calls of `hotlap.api`, on standard error; see `hotlap.api.progress.Progress`."""
+
+    note = staticmethod(note)
+    working = staticmethod(working)
+    flights = staticmethod(follow)
+    runs = staticmethod(follow_runs)
+
+
+TERMINAL = Terminal()
 
 
 class Pace(ProgressColumn):

@@ -14,7 +14,7 @@ from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
 from hotlap.core.errors import InputError, StudyError
 from hotlap.race.controllers import ControllerKind
-from hotlap.reproduce.experiments import EXPERIMENTS
+from hotlap.reproduce.experiments import EXPERIMENTS, perform
 from hotlap.reproduce.page import Page
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
@@ -35,7 +35,7 @@ def run(options: Namespace) -> int:
         for name in EXPERIMENTS if options.experiment == "all" else (options.experiment,):
             note(f"{name}:")
             context = Context(folder / (f"{name}-quick" if options.quick else name), options.quick, options.jobs, follow_pieces)
-            page = EXPERIMENTS[name](context)
+            page = perform(name, context)
             paths = _write(context.folder, page)
             pages.append((name, page, paths))
     document = {"experiments": {name: _dump(page, paths) for name, page, paths in pages}}
