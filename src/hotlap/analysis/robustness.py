@@ -18,7 +18,7 @@ from hotlap.tuning.goal import Goal
 from hotlap.tuning.scoring import score
 from hotlap.worlds.world import World
 
-FLIGHTS = 100
+FLIGHTS = 50  # under each change
 NOISIER = 2.0
 TIMES = ("time", "wind_time")  # of the noise, which stay
 
