@@ -17,6 +17,7 @@ PYTHON ?= $(shell for python in $(CANDIDATES); do \
 	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$python && break; done)
 VENV := .venv
 BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install --quiet --no-compile# Python compiles what it imports; all at once takes ten seconds
 RACE ?= circle-34
 PART ?= main
 ARGS ?=
@@ -82,30 +83,34 @@ clean:
 $(VENV)/.pip:
 	@test -n "$(PYTHON)" || { echo "hotlap needs Python 3.11 or later; say where it is: make PYTHON=/path/to/python" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	@touch $@
+
+# The pip that comes with an older Python knows no dependency groups.
+$(VENV)/.groups: | $(VENV)/.pip
+	$(INSTALL) --upgrade "pip>=25.1"
 	@touch $@
 
 $(VENV)/.hotlap: pyproject.toml | $(VENV)/.pip
-	@echo "installing hotlap and what it needs (minutes, once) ..."
-	$(BIN)/python -m pip install --quiet --editable .
+	@echo "installing hotlap and what it needs (half a minute, once) ..."
+	$(INSTALL) --editable .
 	@touch $@
 
-$(VENV)/.test: $(VENV)/.hotlap
-	$(BIN)/python -m pip install --quiet --group test
+$(VENV)/.test: $(VENV)/.hotlap | $(VENV)/.groups
+	$(INSTALL) --group test
 	@touch $@
 
-$(VENV)/.docs: $(VENV)/.hotlap
-	$(BIN)/python -m pip install --quiet --group docs
+$(VENV)/.docs: $(VENV)/.hotlap | $(VENV)/.groups
+	$(INSTALL) --group docs
 	@touch $@
 
-$(VENV)/.benchmark: $(VENV)/.hotlap
-	$(BIN)/python -m pip install --quiet --group benchmark
+$(VENV)/.benchmark: $(VENV)/.hotlap | $(VENV)/.groups
+	$(INSTALL) --group benchmark
 	@touch $@
 
-$(VENV)/.lint: pyproject.toml | $(VENV)/.pip
-	$(BIN)/python -m pip install --quiet --group lint
+$(VENV)/.lint: pyproject.toml | $(VENV)/.groups
+	$(INSTALL) --group lint
 	@touch $@
 
-$(VENV)/.dev: $(VENV)/.hotlap
-	$(BIN)/python -m pip install --quiet --group dev
+$(VENV)/.dev: $(VENV)/.hotlap | $(VENV)/.groups
+	$(INSTALL) --group dev
 	@touch $@

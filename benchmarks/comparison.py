@@ -1,7 +1,7 @@
-"""The comparisons that the documents quote, each resumable: python benchmarks/comparison.py PART
+"""The comparisons of tuners that the documentation quotes, each resumable: python benchmarks/comparison.py PART
 
-Parts: main, fifty, airsim, random, harder, confirm, ablation, guess. Every tuner begins at the default weights, but for the last. A part
-keeps its runs in `--out`/PART (default: build/comparison), with tables and pictures.
+Parts: main, fifty, airsim, random, harder, confirm, ablation, guess. Every tuner begins at the default weights, except in the part guess. A
+part keeps its runs in `--out`/PART (default: build/comparison), with tables and pictures.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from hotlap.race.random_tracks import random_track
 
 TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
 AIRSIM = tuple(f"airsim-{name}" for name in TABLE_I)
-BUDGETS = "200,cma_es=1000,particle_swarm=1000"  # those of the paper
+BUDGETS = "200,cma_es=1000,particle_swarm=1000"  # flights, as in the paper
 
 QUICK = (
     "gate_gp", "guided_walk", "metropolis_hastings:tied", "metropolis_hastings:paper", "metropolis_hastings:released",
@@ -33,14 +33,14 @@ SLOW = (
 ABLATION = tuple(f"gate_gp:{preset}" for preset in ("default", "whole", "one_generation", "tied", "no_restarts", "no_exploration"))
 RIVALS = ("gate_gp", "guided_walk", "cma_es:log", "cma_es:tied", "trust_region:default", "trust_region:tied", "trust_region:dense",
           "metropolis_hastings:paper", "metropolis_hastings:tied")  # fmt: skip
-RANDOM = {"default": ("circle-34", 22.0), "airsim": ("airsim-circle-34", 18.0)}  # suite: race to take the rest from, v_max
-UNSEEN = range(100, 110)  # seeds of random tracks on which nothing was developed, in each suite
+RANDOM = {"default": ("circle-34", 22.0), "airsim": ("airsim-circle-34", 18.0)}  # suite: race that gives all but the track, v_max [m/s]
+UNSEEN = range(100, 110)  # seeds of random tracks that were not used in development, in each suite
 SINGLE = ("main", "fifty", "airsim", "ablation", "random", "harder", "guess")
 HARDER = {"47.5 ms": {"delay": 0.0475}, "A": {"delay": 0.05, "torque_damping": 0.5}}
 
 
 def write_random(folder: Path) -> list[str]:
-    """Races on random tracks, as files."""
+    """Write races on random tracks as files; their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for suite, (base, v_max) in RANDOM.items():
@@ -56,7 +56,7 @@ def write_random(folder: Path) -> list[str]:
 
 
 def write_harder(folder: Path) -> list[str]:
-    """Races of Table I with a vehicle that is harder to control, as files; of A's dead time, 30 ms are known."""
+    """Write races of Table I with a vehicle that is harder to control as files; in A the controller's model has 30 ms of the dead time."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for label, changes in HARDER.items():
@@ -75,7 +75,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("part", choices=(*SINGLE, "confirm"))
     parser.add_argument("--out", type=Path, default=Path("build/comparison"))
-    parser.add_argument("--quick", action="store_true", help="main: leave out tuners that take long to think")
+    parser.add_argument("--quick", action="store_true", help="main: leave out the tuners that need much computing time")
     arguments, rest = parser.parse_known_args()
     out = arguments.out / arguments.part
     tuners = QUICK if arguments.quick else QUICK + SLOW

@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from hotlap.analysis.comparison import Run
+from hotlap.analysis.comparison import Run, RunJournal
 from hotlap.analysis.comparison_table import Row, overall, summarise
-from hotlap.analysis.runs_file import RunsFile
+from hotlap.tuners.renamed import current_name
 
 RACES = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")  # of Table I
 TABLE_I: Mapping[str, tuple[int, ...]] = {  # the paper's completion [%] on them
@@ -29,13 +30,13 @@ TABLE_I: Mapping[str, tuple[int, ...]] = {  # the paper's completion [%] on them
 
 
 def solved(row: Row) -> str:
-    """Success and median search flights: 95 / 12."""
+    """Runs that confirmed a controller [%] / median search flights, such as 95 / 12."""
     middle = f"{row.flights_median:.0f}" if math.isfinite(row.flights_median) else "-"
     return f"{100 * row.success_rate:.0f} / {middle}"
 
 
 def matrix(runs: Sequence[Run], races: Sequence[str]) -> str:
-    """A row a tuner, the best first; a column a race."""
+    """Table of results: one row for each tuner, the best first, one column for each race."""
     chosen = [run for run in runs if run.race in races]
     lines = [f"| tuner | {' | '.join(races)} | all | validated % | ms/flight |", f"|---{'|---' * (len(races) + 3)}|"]
     for total in overall(chosen):
@@ -49,7 +50,7 @@ def matrix(runs: Sequence[Run], races: Sequence[str]) -> str:
 
 
 def beside_the_paper(runs: Sequence[Run], races: Sequence[str]) -> str:
-    """Mean completion of the best candidate at the end of a run, and the paper's, race by race."""
+    """Table of the mean completion [%] of the best candidate at the end of a run, beside the paper's, for each race."""
     lines = [f"| tuner | {' | '.join(races)} |", f"|---{'|---' * len(races)}|"]
     for tuner, published in TABLE_I.items():
         cells = []
@@ -61,16 +62,17 @@ def beside_the_paper(runs: Sequence[Run], races: Sequence[str]) -> str:
 
 
 def _place(race: str) -> int:
-    """Where a race stands among those of Table I; others come after them, in the order in which they were flown."""
+    """Position of a race in Table I; other races come after it, in the order in which they were flown."""
     plain = race.removeprefix("airsim-")
     return RACES.index(plain) if plain in RACES else len(RACES)
 
 
 def main() -> None:
-    """Print them."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    done = RunsFile(parser.parse_args().folder).done
+    read = RunJournal(parser.parse_args().folder).done
+    done = {key: replace(run, tuner=current_name(run.tuner)) for key, run in read.items()}  # recorded under the names of then
     latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # what was flown with other settings is out of date
     runs = [run for (key, _), run in done.items() if latest[run.race, run.tuner] == key]
     names = sorted(dict.fromkeys(run.race for run in runs), key=_place)

@@ -1,4 +1,4 @@
-"""Which machine the figures are of, and what a benchmark says beyond its times."""
+"""Print the machine of the benchmarks, and the figures that they record besides times."""
 
 from __future__ import annotations
 

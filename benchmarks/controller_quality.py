@@ -1,6 +1,6 @@
-"""How good the controller is in flight: python benchmarks/controller_quality.py [--flights 192]
+"""Completion and tracking error of the controller in flight: python benchmarks/controller_quality.py [--flights 192]
 
-Tables of completion against the number of Riccati sweeps, and against dead time, known to the controller or not.
+Tables over the number of Riccati sweeps, and over the dead time, in the controller's model or not.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from hotlap.tuning.scoring import score
 from hotlap.worlds.built_in import BuiltIn
 
 TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifier-20", "final-22")
-TUNED = (33.5, 357.0, 44.0, 7.1, 6.0)  # one set that flies every race of the default suite
+TUNED = (33.5, 357.0, 44.0, 7.1, 6.0)  # one set of parameters that passes every gate of every race of the default suite
 SWEEPS = (1, 2, 3, 5)
 DEAD_TIMES = (0.0, 0.02, 0.045, 0.05, 0.1)  # s
 
 
 def fly(scenario: Scenario, values: np.ndarray, scatter: float, flights: int) -> str:
-    """Mean completion and share of complete flights, in per cent, and mean error of the complete ones."""
+    """Mean completion and share of complete flights [%], and mean error of the complete flights [m]."""
     space, rng = scenario.space, np.random.default_rng(0)
     scattered = space.clip(values * np.exp(scatter * space.log_step * rng.standard_normal((flights, space.size))))
     parameters = np.repeat(scattered[:, None], len(scenario.segments), axis=1)
@@ -34,12 +34,12 @@ def fly(scenario: Scenario, values: np.ndarray, scatter: float, flights: int) ->
 
 
 def with_sweeps(race: Race, sweeps: int) -> Race:
-    """The same race with another number of sweeps."""
+    """The same race with another number of Riccati sweeps in each control step."""
     return race.model_copy(update={"controller": race.controller.model_copy(update={"sweeps": sweeps})})
 
 
 def with_delay(race: Race, delay: float, *, known: bool) -> Race:
-    """The same race with another dead time."""
+    """The same race with another dead time of the vehicle [s], which is in the controller's model where it is known."""
     vehicle = race.vehicle.model_copy(update={"delay": delay})
     return race.model_copy(update={"vehicle": vehicle, "model": race.control_model.model_copy(update={"delay": delay if known else 0.0})})
 

@@ -1,4 +1,4 @@
-"""How hard the built-in races are: python benchmarks/difficulty.py [--flights 200] [--random 2000] [RACE ...]
+"""Difficulty of the built-in races: python benchmarks/difficulty.py [--flights 200] [--random 2000] [RACE ...]
 
 For each race, over flights with different noise: completion and share of complete flights of the authors' default weights, and the
 share of complete flights among random parameters, one set for all segments: uniform within the bounds, and uniform in logarithms.
@@ -21,14 +21,14 @@ from hotlap.worlds.built_in import BuiltIn
 
 
 def fly(world: BuiltIn, scenario: Scenario, sets: np.ndarray, seed: int) -> Scores:
-    """Fly parameter sets of shape (B, K), each in all segments."""
+    """Scores of parameter sets of shape (B, K), each flown once with the same values in all segments."""
     parameters = np.repeat(sets[:, None], len(scenario.segments), axis=1)
     seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, len(sets))
     return score(world.fly(scenario, parameters, seeds), scenario.race.judge)
 
 
 def describe(world: BuiltIn, race: str, flights: int, random: int) -> str:
-    """A row of the table."""
+    """One row of the table: completion and shares of complete flights [%] on a race."""
     scenario = prepare(race)
     space, rng = scenario.space, np.random.default_rng(0)
     default = fly(world, scenario, np.tile(space.default, (flights, 1)), 0)

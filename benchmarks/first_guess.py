@@ -1,8 +1,8 @@
-"""How good first guesses are on tracks that nobody learnt from: python benchmarks/first_guess.py left_out|unseen [--jobs N]
+"""Quality of first guesses on tracks that are not in the training data: python benchmarks/first_guess.py left_out|unseen [--jobs N]
 
-    left_out  every race of the shipped training set that the drones of the two suites fly: each method learns from all other tracks, and
-              guesses; the guess is compared with what the race was tuned to, flown, and tuned from
-    unseen    random tracks that are not in the training set: how often a guess flies as it is, or after few flights
+    left_out  every race of the shipped training set that the drones of the two suites fly: each method learns from all other tracks and
+              makes a guess; the guess is compared with the parameters tuned on the race, flown, and used as the start of a search
+    unseen    random tracks that are not in the training set: success rate of a guess as it is, and after few search flights
 
 Resumable; the tables go to standard output.
 """
@@ -29,7 +29,7 @@ from hotlap.first_guess.training_set import shipped
 from hotlap.planning.preparation import prepare
 from hotlap.race.random_tracks import random_track
 from hotlap.reference.scenario import Scenario
-from hotlap.system.journal import LinesFile
+from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -55,7 +55,7 @@ METHODS: Mapping[str, Method | None] = {
 
 
 def search(scenario: Scenario, guesses: Mapping[str, Parameters], asked: Sequence[str]) -> dict[str, dict[str, list[int | None]]]:
-    """Search flights of each tuner from each guess, seed by seed; None where nothing was confirmed."""
+    """Number of search flights of each tuner from each guess, for each seed; None where no controller was confirmed."""
     found: dict[str, dict[str, list[int | None]]] = {name: {} for name in guesses}
     for tuner in asked:
         settings = [TuningSettings(budget=BUDGET, seed=seed, confirm=4, reliability=0.0, validation=0) for seed in range(SEEDS)]
@@ -76,7 +76,7 @@ def complete(scenario: Scenario, guess: Parameters, flights: int) -> float:
 
 
 def judge(lesson: Lesson) -> Iterator[dict[str, Any]]:
-    """All methods on a race of the training set, learning from the other tracks: error, share of complete flights, search flights."""
+    """Error, share of complete flights and search flights of all methods on a race of the training set, trained on the other tracks."""
     scenario = scenario_for(prepare(lesson.race), tuners.build(TUNERS[0]))
     known = next(race for race in shipped().races if race.track == lesson.race.track.name and race.vehicle == lesson.vehicle)
     training = shipped().without(known.track)
@@ -90,7 +90,7 @@ def judge(lesson: Lesson) -> Iterator[dict[str, Any]]:
 
 
 def judge_unseen(lesson: Lesson) -> Iterator[dict[str, Any]]:
-    """Guesses from the whole training set on another track."""
+    """The same for guesses from the whole training set, on a track that is not in it."""
     try:
         scenario = scenario_for(prepare(lesson.race), tuners.build(TUNERS[0]))
     except PlanningError:
@@ -105,8 +105,8 @@ def judge_unseen(lesson: Lesson) -> Iterator[dict[str, Any]]:
     yield found
 
 
-def left_out(kept: LinesFile, jobs: int) -> Iterator[str]:
-    """A table for each suite: a line a method."""
+def left_out(kept: Journal, jobs: int) -> Iterator[str]:
+    """A table for each suite, with one row for each method."""
     known = {(race.track, race.vehicle) for race in shipped().races}
     asked = [one for one in lessons() if one.vehicle in VEHICLES.values() and (one.race.track.name, one.vehicle) in known]
     done = run(kept, "left_out", asked, judge, jobs)
@@ -123,8 +123,8 @@ def left_out(kept: LinesFile, jobs: int) -> Iterator[str]:
             yield f"| {name} | {error:.2f} | {share:.0f} | {' | '.join(cells)} |"
 
 
-def unseen(kept: LinesFile, jobs: int) -> Iterator[str]:
-    """A table: suites and methods; how often a guess flies."""
+def unseen(kept: Journal, jobs: int) -> Iterator[str]:
+    """The table of success rates [%]: suites and methods by number of search flights."""
     asked = [
         Lesson(race_of(vehicle, random_track(seed), speed), vehicle)
         for vehicle, speed in (("hummingbird, late", 22.0), ("airsim", 18.0))
@@ -143,12 +143,12 @@ def unseen(kept: LinesFile, jobs: int) -> Iterator[str]:
 
 
 def flights(count: int | None) -> float:
-    """Infinite where nothing was confirmed."""
+    """A number of search flights; infinite where no controller was confirmed."""
     return np.inf if count is None else count
 
 
-def run(kept: LinesFile, part: str, asked: Sequence[Lesson], work: Callable[[Lesson], Iterator[Any]], jobs: int) -> dict[str, Any]:
-    """Judge what is not judged yet; results by the lessons' keys."""
+def run(kept: Journal, part: str, asked: Sequence[Lesson], work: Callable[[Lesson], Iterator[Any]], jobs: int) -> dict[str, Any]:
+    """Compute the results that are missing; all results by the keys of the races."""
     mark = f"{part} {shipped().fingerprint}"
     missing = [lesson for lesson in asked if f"{mark} {lesson.key}" not in kept.done]
     for count, (lesson, found) in enumerate(spread(work, missing, jobs), 1):
@@ -158,14 +158,14 @@ def run(kept: LinesFile, part: str, asked: Sequence[Lesson], work: Callable[[Les
 
 
 def main() -> int:
-    """One part."""
+    """Run one part and print its tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parts = {"left_out": left_out, "unseen": unseen}
     parser.add_argument("part", choices=parts)
     parser.add_argument("--out", type=Path, default=Path("build/first-guess-study"))
     parser.add_argument("--jobs", type=int, default=0)
     options = parser.parse_args()
-    with LinesFile.opened(options.out / options.part) as kept:
+    with Journal.opened(options.out / options.part) as kept:
         for line in parts[options.part](kept, options.jobs):
             print(line)
     return 0

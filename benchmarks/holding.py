@@ -1,14 +1,14 @@
-"""Which rule hands over controllers that hold, and what it costs: python benchmarks/holding.py --help
+"""Success rate of accepted controllers under several rules, and their cost in flights: python benchmarks/holding.py --help
 
-The default tuner from the learned first guess, where `hotlap tune` begins, and from the default weights, under several rules for what may
-be handed over: so many re-flights, and so large a share of the validation. Every result is then flown 400 times with noise that no rule
-has seen, so that a rule does not judge itself. Results are kept in `--out`; the same command goes on where it was interrupted.
+The default tuner from the learned first guess, where `hotlap tune` begins, and from the default weights, with several rules for accepting a
+controller: a number of re-flights, and a least validation rate. Every result is then flown 400 times with noise that no rule has used, so
+that a rule is not evaluated by its own flights. Results are kept in `--out`; the same command continues where it was interrupted.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -22,17 +22,19 @@ from hotlap import tuners
 from hotlap.core.success_rate import FLIGHTS
 from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
-from hotlap.system.journal import LinesFile
+from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
+from hotlap.system.processors import available
+from hotlap.tuners.renamed import current_name
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 
 AIRSIM = ("airsim-circle-34", "airsim-drop-20", "airsim-flip-16", "airsim-spiral-53", "airsim-qualifier-20", "airsim-final-21")
 GUESSES = ("learned", "default")
-RULES = ((4, 0.0), (10, 0.0), (10, 0.8), (10, 0.9), (10, 0.95))  # re-flights, least share of the validation
-FRESH, FIRST_SEED = 400, 10**12  # flights of each result; seeds that no search has met
-HOLDS, HOLDS_AIRSIM = 0.95, 0.9  # least share of the fresh flights
+RULES = ((4, 0.0), (10, 0.0), (10, 0.8), (10, 0.9), (10, 0.95))  # re-flights, least validation rate
+FRESH, FIRST_SEED = 400, 10**12  # flights of each result; seeds that no search uses
+HOLDS, HOLDS_AIRSIM = 0.95, 0.9  # least success rate over the fresh flights
 
 
 @dataclass(frozen=True)
@@ -42,10 +44,10 @@ class Case:
     Attributes:
         race: its name.
         guess: where the runs begin, as in `--first-guess`.
-        confirm: re-flights to be passed.
-        reliability: least share of the validation, or the search goes on; 0: there is none.
+        confirm: number of re-flights that must succeed.
+        reliability: least validation rate, below which the search goes on; 0: no validation.
         seeds: how many runs.
-        budget: flights of each, re-flights included.
+        budget: flights of each run at most, re-flights included.
         tuner: its name.
     """
 
@@ -59,7 +61,7 @@ class Case:
 
 
 def fly(case: Case) -> Iterator[list[dict[str, Any]]]:
-    """The runs, each with the share of fresh flights that its result completes."""
+    """The runs, each with the success rate of its result over fresh flights."""
     scenario, world = prepare(case.race), BuiltIn(threads=1)
     judged, guess = scenario_for(scenario, tuners.build(case.tuner)), first_guess(scenario, case.guess)
     shared = {"budget": case.budget, "confirm": case.confirm, "reliability": case.reliability}
@@ -83,8 +85,15 @@ def fly(case: Case) -> Iterator[list[dict[str, Any]]]:
     ]
 
 
+class Kept(Journal):
+    """Results by case; those recorded under a tuner's name of then count for its name of today."""
+
+    def _parsed(self, plain: Any) -> tuple[str, Any]:
+        return re.sub(r"(?<=tuner=')[^']*", lambda found: current_name(found[0]), plain["key"]), plain["value"]
+
+
 def shown(runs: Sequence[dict[str, Any]], least: float) -> str:
-    """Runs that hand over a result which completes so large a share of the fresh flights, per cent / median of all flights of a run."""
+    """Runs that confirm a result with at least this success rate over the fresh flights [%] / median of all flights of a run."""
     holding = np.mean([run["confirmed"] and run["share"] >= least for run in runs])
     return f"{100 * holding:.0f} / {np.median([run['flights'] + run['validation'] for run in runs]):.0f}"
 
@@ -96,12 +105,12 @@ def main() -> None:
     parser.add_argument("--budget", type=int, default=500)
     parser.add_argument("--races", nargs="+", default=(*TABLE_I, *AIRSIM), choices=(*TABLE_I, *AIRSIM), metavar="RACE")
     parser.add_argument("--guesses", nargs="+", default=GUESSES, choices=GUESSES)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--jobs", type=int, default=available())
     parser.add_argument("--out", type=Path, default=Path("build/holding"))
     options = parser.parse_args()
     rules = [(guess, *rule) for guess in options.guesses for rule in RULES]
     cases = {(race, rule): Case(race, *rule, options.seeds, options.budget) for race in options.races for rule in rules}
-    with LinesFile.opened(options.out) as kept:
+    with Kept.opened(options.out) as kept:
         missing = [case for case in cases.values() if repr(case) not in kept.done]
         for count, (case, runs) in enumerate(spread(fly, missing, options.jobs), 1):
             kept.add(repr(case), runs)

@@ -1,6 +1,6 @@
-"""The main job on many races and seeds: python benchmarks/main_job.py --help
+"""Tuning runs on many races and seeds: python benchmarks/main_job.py --help
 
-For each: search flights, flights with re-flights, whether a controller was confirmed, its validated rate with interval, seconds.
+For each run: search flights, flights with re-flights, whether a controller was confirmed, its validation rate with interval, seconds.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TABLE_I = ("circle-20", "circle-34", "drop-20", "flip-16", "spiral-53", "qualifi
 
 
 def run(world: BuiltIn, race: Race, tuner: str, seed: int, budget: int, reliability: float) -> str:
-    """A row of the table."""
+    """One tuning run as a row of the table."""
     built, goal = tuners.build(tuner), Goal()
     scenario = scenario_for(prepare(race), built)
     objective, start = Objective(scenario, world), time.perf_counter()

@@ -1,7 +1,7 @@
-"""What a control step costs in operations, and how near the flight core comes to the processor's peak: python benchmarks/operations.py
+"""Operations of a control step, and the share of the processor's peak that the flight core reaches: python benchmarks/operations.py
 
-Counted are additions, multiplications, divisions, roots, comparisons and choices of the straight-line programs themselves; loads and
-stores, reference, noise and judge are not. The peak is of independent multiply-adds, two operations each, in the same kind of number.
+Counted are additions, multiplications, divisions, roots, comparisons and selections of the straight-line programs; loads and stores,
+reference, noise and judge are not counted. The peak is that of independent multiply-adds, two operations each, in the same kind of number.
 """
 
 from __future__ import annotations
@@ -21,17 +21,16 @@ from hotlap.flight.mpc import retract_stage
 from hotlap.flight.numbers import COMPILE, Numbers, aligned_zeros, best_numbers
 from hotlap.flight.riccati import backward_stage, forward_stage, terminal_stage
 from hotlap.planning.preparation import prepare
-from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 
 ROUNDS, CHAINS, REPEATS = 20_000_000, 12, 5  # of the peak: iterations, independent chains
-GROUPS = 16  # flights a lane
+GROUPS = 16  # flights per lane
 
 
-def operations(race: Race) -> list[tuple[str, int, int]]:
-    """(part, operations, how often a control step runs it), all sweeps done."""
-    nodes, sweeps = race.controller.nodes, race.controller.sweeps
-    steps, settings = round(race.controller.period / 0.0025), fly.settings_of(race)
+def operations(scenario: Scenario) -> list[tuple[str, int, int]]:
+    """(part, operations, how often a control step runs it), with all sweeps."""
+    settings = fly.settings_of(scenario)
+    nodes, sweeps, steps = settings.nodes, settings.sweeps, settings.steps
     predictions = settings.predicted_periods + (settings.predicted_rest > 0)
     return [
         ("linearise a node", translate(models.linearised_node_map()).count(), nodes),
@@ -45,12 +44,12 @@ def operations(race: Race) -> list[tuple[str, int, int]]:
 
 
 def rate(scenario: Scenario, numbers: Numbers, *, stop_early: bool) -> float:
-    """Control steps per second of one core; with `stop_early` sweeps that change nothing are left out, as they always are in flight."""
+    """Control steps per second of one core; with `stop_early` sweeps that change nothing are omitted, as always in flight."""
     settings_of = fly.settings_of
     flights = GROUPS * numbers.lanes
     parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
     try:
-        fly.settings_of = lambda race: settings_of(race)._replace(stop_early=stop_early)
+        fly.settings_of = lambda scenario: settings_of(scenario)._replace(stop_early=stop_early)
         best = 0.0
         for _ in range(REPEATS + 1):  # the first may compile
             start = time.process_time()
@@ -62,7 +61,7 @@ def rate(scenario: Scenario, numbers: Numbers, *, stop_early: bool) -> float:
 
 
 def spinner(width: int) -> Callable[[np.ndarray, int], None]:
-    """Twelve chains of multiply-adds that do not wait for each other."""
+    """A compiled loop of twelve independent chains of multiply-adds."""
 
     @njit(**COMPILE)
     def spin(memory: np.ndarray, rounds: int) -> None:
@@ -79,7 +78,7 @@ def spinner(width: int) -> Callable[[np.ndarray, int], None]:
 
 
 def peak(numbers: Numbers) -> float:
-    """Operations per second of one core that does nothing but multiply and add."""
+    """Operations per second of one core with independent multiply-adds only."""
     memory, spin = aligned_zeros((CHAINS + 2, numbers.lanes), numbers.dtype), spinner(numbers.width)
     memory[:CHAINS] = np.arange(1, CHAINS + 1)[:, None]
     memory[CHAINS], memory[CHAINS + 1] = 0.9999, 0.0001
@@ -95,7 +94,7 @@ def peak(numbers: Numbers) -> float:
 def main() -> None:
     """Print the tables."""
     scenario = prepare(RACE)
-    parts = operations(scenario.race)
+    parts = operations(scenario)
     total = sum(count * times for _, count, times in parts)
     print(f"{machine_name()}; {RACE}\n\n| part | operations | times | share |\n|---|---|---|---|")
     for name, count, times in parts:

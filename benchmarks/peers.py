@@ -1,8 +1,9 @@
-"""Ratios to what else there is, in one run on one core: python benchmarks/peers.py, in an environment with `pip install hotlap rotorpy`.
+"""Computing time compared with other solvers and simulators, in one run on one core: python benchmarks/peers.py
 
-The same problem for CasADi's solvers: circle-34, default parameters, 20 nodes, states from a logged flight of ours, every step started
-from the last plan moved on by a period. IPOPT solves to the end; qrqp does one quadratic problem a step, as our controller does.
-RotorPy flies one drone with its own dynamics and no controller; ours is the plant with controller, noise and judge.
+It needs an environment with `pip install hotlap rotorpy`. CasADi's solvers are given the same problem: circle-34, default parameters,
+20 nodes, states from a logged flight of hotlap, each step warm-started with the last plan shifted by a period. IPOPT iterates to
+convergence; qrqp solves one quadratic problem per step, as hotlap's controller does. RotorPy simulates one drone with its own dynamics and
+no controller; hotlap simulates the plant with controller, noise and judge.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from hotlap.flight.numbers import Numbers, best_numbers
 from hotlap.planning.preparation import prepare
 from hotlap.reference.scenario import Scenario
 
-STEPS, PLANT_STEPS = 100, 4  # control steps that a peer is given; steps of the plant in each
+STEPS, PLANT_STEPS = 100, 4  # control steps that another solver computes; steps of the plant in each
 
 QUIET = {"print_time": False, "print_header": False, "print_iteration": False, "print_status": False, "error_on_fail": False}
 SOLVERS: dict[str, tuple[str, dict[str, Any]]] = {
@@ -42,7 +43,7 @@ SOLVERS: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def problem(scenario: Scenario) -> tuple[dict[str, ca.SX], int]:
-    """Eq. 3 of the paper: states and inputs of the horizon, with state and reference as parameters."""
+    """The nonlinear program of Eq. 3 of the paper, with measured state and reference as parameters; and its number of nodes."""
     settings, weights = scenario.race.controller, scenario.space.default
     nodes, h = settings.nodes, weights[4] * settings.horizon_unit / settings.nodes
     Q = ca.DM([weights[0], weights[0], weights[1], *[weights[2]] * 4, *[weights[3]] * 3])
@@ -58,7 +59,7 @@ def problem(scenario: Scenario) -> tuple[dict[str, ca.SX], int]:
 
 
 def solve_steps(scenario: Scenario, log: Log, name: str, options: dict[str, Any]) -> tuple[float, float]:
-    """Median CPU microseconds of a control step, and the median distance of its thrust from ours [m/s^2]."""
+    """Median CPU time of a control step [us], and the median difference of its thrust from hotlap's [m/s^2]."""
     nlp, nodes = problem(scenario)
     solver = ca.nlpsol("solver", name, nlp, options)
     settings, h = scenario.race.controller, scenario.space.default[4] * scenario.race.controller.horizon_unit / nodes
@@ -84,7 +85,7 @@ def solve_steps(scenario: Scenario, log: Log, name: str, options: dict[str, Any]
 
 
 def our_command(scenario: Scenario, log: Log) -> float:
-    """Median CPU microseconds of `Controller.command`."""
+    """Median time of `Controller.command` [us]."""
     controller, costs = Controller(scenario, scenario.space.default), []
     for _ in range(2):  # the first may compile
         controller.reset()
@@ -96,7 +97,7 @@ def our_command(scenario: Scenario, log: Log) -> float:
 
 
 def our_steps(scenario: Scenario, numbers: Numbers) -> float:
-    """Control steps per second of one core, with everything."""
+    """Control steps per second of one core, with plant, noise and judge."""
     flights = 16 * numbers.lanes
     parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
     rates = []
@@ -108,7 +109,7 @@ def our_steps(scenario: Scenario, numbers: Numbers) -> float:
 
 
 def rotorpy_steps() -> float:
-    """Steps of 2.5 ms per second of one core, of RotorPy's drone in hover."""
+    """Simulation steps of 2.5 ms per second of one core, of RotorPy's drone in hover."""
     from rotorpy.vehicles.hummingbird_params import quad_params  # noqa: PLC0415
     from rotorpy.vehicles.multirotor import Multirotor  # noqa: PLC0415
 
@@ -124,7 +125,7 @@ def rotorpy_steps() -> float:
 
 
 def seconds(work: Callable[[], None]) -> float:
-    """CPU seconds, the best of three."""
+    """CPU time of some work [s], the best of three."""
     best = np.inf
     for _ in range(3):
         start = time.process_time()

@@ -1,7 +1,7 @@
-"""Speed against robustness: python benchmarks/robustness.py --help
+"""Success rate with uncertain vehicles over the speed of the reference: python benchmarks/robustness.py --help
 
-The same track at several speeds, tuned in worlds that differ by 0, 10, 20 or 30 % (`--randomise`), then flown in worlds that differ by
-as much and by more: what a controller gains by it, and how fast one can go.
+The same track at several speeds, tuned with vehicle parameters that are off by up to 0, 10, 20 or 30 % (`--randomise`), then flown with
+vehicle parameters that are off by up to each of these.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
 
 SPREADS = (0.0, 0.1, 0.2, 0.3)
-FLIGHTS, FIRST_SEED = 200, 10**12  # of each result in each spread; seeds that no search has met
+FLIGHTS, FIRST_SEED = 200, 10**12  # of each result with each spread; seeds that no search uses
 
 
 def tuned(scenario: Scenario, world: BuiltIn, spread: float, seeds: int, budget: int) -> list[Tuning]:
-    """Runs of the default tuner in worlds that differ so much; a result need not hold, so that all can be looked at."""
+    """Runs of the default tuner with vehicle parameters off by up to the spread [-]; results are not validated, and none is left out."""
     settings = [TuningSettings(budget=budget, seed=seed, reliability=0.0, validation=0, randomise=spread) for seed in range(seeds)]
     runs = [Tuning(tuners.build(tuners.DEFAULT), scenario, asked) for asked in settings]
     for _ in tune_together(Objective(scenario, world, randomise=spread), runs):
@@ -33,7 +33,7 @@ def tuned(scenario: Scenario, world: BuiltIn, spread: float, seeds: int, budget:
 
 
 def success(scenario: Scenario, world: BuiltIn, runs: list[Tuning], spread: float) -> float:
-    """Share of flights that complete, over all runs, in worlds that differ so much."""
+    """Share of complete flights over the results of all runs, with vehicle parameters off by up to the spread [-]."""
     parameters = np.concatenate([np.repeat(run.best.parameters[None], FLIGHTS, axis=0) for run in runs if run.best is not None])
     seeds = np.tile(FIRST_SEED + np.arange(FLIGHTS, dtype=np.int64), len(runs))
     return float(Goal().met(Objective(scenario, world, randomise=spread).fly(parameters, seeds)).mean())

@@ -1,11 +1,11 @@
-"""What segments are worth: python benchmarks/segments.py thresholds|rules|segment_switch|transfer [--jobs N] [--out DIR]
+"""Effect of segments on tuning: python benchmarks/segments.py thresholds|rules|segment_switch|transfer [--jobs N] [--out DIR]
 
-All begin at the default weights. Resumable: what is flown is kept in DIR; the tables go to standard output.
+All runs begin at the default weights. Resumable: results are kept in DIR; the tables go to standard output.
 
-    thresholds  of the paper's rule: height, look-ahead and least duration; the segments, and flights to 100 %
-    rules       each segmentation rule on all races of Table I in both suites
-    segment_switch    by time, by node and by distance
-    transfer    parameters tuned on one race flown on the others, copied for each class of segments
+    thresholds      of the paper's rule: height, look-ahead and least duration; the segments, and flights to 100 %
+    rules           each segmentation rule on all races of Table I in both suites
+    segment_switch  the parameters of the next segment from when on: by time, by node, by distance
+    transfer        parameters tuned on one race flown on the others, copied for each class of segments
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from hotlap.planning.preparation import prepare
 from hotlap.race.race import SegmentSwitch
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule, segment
-from hotlap.system.journal import LinesFile
+from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -43,17 +43,17 @@ BUDGET, FLIGHTS = 300, 50
 
 @dataclass(frozen=True)
 class Case:
-    """Some runs of a tuner.
+    """Runs of a tuner on one race.
 
     Attributes:
-        race: a built-in one.
+        race: name of a built-in race.
         tuner: algorithm with preset.
-        seeds: how many.
-        rule: how the reference is cut.
+        seeds: number of runs.
+        rule: segmentation rule.
         thresholds: of the rule, by name.
-        segment_switch: between segments.
-        confirm: re-flights.
-        budget: flights at most.
+        segment_switch: when the parameters of the next segment are used.
+        confirm: number of re-flights.
+        budget: flights of each run at most.
     """
 
     race: str
@@ -67,7 +67,7 @@ class Case:
 
     @property
     def scenario(self) -> Scenario:
-        """What is flown."""
+        """The race with the segments of the rule."""
         race = load_race(self.race)
         controller = race.controller.model_copy(update={"segment_switch": SegmentSwitch(self.segment_switch)})
         scenario = prepare(race.model_copy(update={"controller": controller}))
@@ -75,7 +75,7 @@ class Case:
 
 
 def fly(case: Case) -> Iterator[dict[str, Any]]:
-    """Search flights of each run, None where it was not confirmed; what was found, and how often it holds."""
+    """Search flights of each run, None where no controller was confirmed; tuned parameters, and their validation rates."""
     scenario = scenario_for(case.scenario, tuners.build(case.tuner))
     settings = [
         TuningSettings(budget=case.budget, seed=seed, confirm=case.confirm, reliability=0.0, validation=FLIGHTS)
@@ -93,8 +93,8 @@ def fly(case: Case) -> Iterator[dict[str, Any]]:
     }
 
 
-def run_cases(kept: LinesFile, cases: Sequence[Case], jobs: int) -> dict[Case, dict[str, Any]]:
-    """All of them; what is missing is flown."""
+def run_cases(kept: Journal, cases: Sequence[Case], jobs: int) -> dict[Case, dict[str, Any]]:
+    """Results of all cases; those that are missing are flown."""
     unique = list(dict.fromkeys(cases))
     missing = [case for case in unique if repr(case) not in kept.done]
     for count, (case, result) in enumerate(spread(fly, missing, jobs), 1):
@@ -104,14 +104,14 @@ def run_cases(kept: LinesFile, cases: Sequence[Case], jobs: int) -> dict[Case, d
 
 
 def shown(results: Sequence[Mapping[str, Any]]) -> str:
-    """Share of runs that were confirmed, median of search flights."""
+    """Runs that confirmed a controller [%] / median search flights."""
     counts = [np.inf if count is None else count for result in results for count in result["search"]]
     middle = np.median(counts)
     return f"{100 * np.mean(np.isfinite(counts)):.0f} / {f'{middle:.0f}' if np.isfinite(middle) else '-'}"
 
 
-def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
-    """A line for each way in which a race is cut, and the thresholds that cut it so."""
+def thresholds(kept: Journal, jobs: int) -> Iterator[str]:
+    """Two tables for each race: results by number of segments, and by thresholds of the paper's rule."""
     for race in LONG:
         scenario, ways = prepare(race), {}
         for rise, ahead, least in product(RISES, LOOKS, LEASTS):
@@ -136,8 +136,8 @@ def thresholds(kept: LinesFile, jobs: int) -> Iterator[str]:
             yield f"| {rise:g} | {ahead:g} | {' | '.join(cells)} |"
 
 
-def rules(kept: LinesFile, jobs: int) -> Iterator[str]:
-    """A table for each tuner: races by rules."""
+def rules(kept: Journal, jobs: int) -> Iterator[str]:
+    """A table for each tuner: results by race and segmentation rule."""
     named = ("guided_walk:default", *SEGMENTED)
     cases = {(tuner, race, rule): Case(race, tuner, 6, rule) for tuner in named for race in SOLVABLE for rule in SegmentationRule}
     results = run_cases(kept, list(cases.values()), jobs)
@@ -150,8 +150,8 @@ def rules(kept: LinesFile, jobs: int) -> Iterator[str]:
         yield f"| all | {' | '.join(shown([results[cases[tuner, race, rule]] for race in SOLVABLE]) for rule in SegmentationRule)} |"
 
 
-def segment_switch(kept: LinesFile, jobs: int) -> Iterator[str]:
-    """Races with several segments by ways of handing over."""
+def segment_switch(kept: Journal, jobs: int) -> Iterator[str]:
+    """A table for each tuner: results by race with several segments, and segment switch."""
     several = [race for race in SOLVABLE if not race.rpartition("airsim-")[2].startswith("circle")]
     for tuner in SEGMENTED:
         cases = {(race, way): Case(race, tuner, 8, segment_switch=way) for race in several for way in SegmentSwitch}
@@ -164,7 +164,7 @@ def segment_switch(kept: LinesFile, jobs: int) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Flown:
-    """Parameters by class of segments, flown on a race."""
+    """Parameters for each class of segments, tuned on the source and flown on the target race."""
 
     source: Case
     target: str
@@ -172,7 +172,7 @@ class Flown:
 
 
 def carry(case: Flown) -> Iterator[float]:
-    """Share of flights that complete; a class that the source has not gets the median of its classes."""
+    """Share of complete flights; a class that the source does not have gets the median of its classes."""
     scenario = replace(case.source, race=case.target).scenario
     known = {kind: np.array(values) for kind, values in case.values}
     middle = np.exp(np.median(np.log(list(known.values())), axis=0))
@@ -183,7 +183,7 @@ def carry(case: Flown) -> Iterator[float]:
 
 
 def by_class(case: Case, found: Sequence[Any]) -> tuple[tuple[str, tuple[float, ...]], ...]:
-    """Medians in logarithms over runs and over the segments of a class."""
+    """Parameters of each class: medians in logarithms over runs and over the segments of the class."""
     kinds = case.scenario.segments.segment_classes
     rows: dict[str, list[Any]] = {}
     for values in found:
@@ -192,8 +192,8 @@ def by_class(case: Case, found: Sequence[Any]) -> tuple[tuple[str, tuple[float, 
     return tuple((kind, tuple(np.exp(np.median(np.log(own), axis=0)).tolist())) for kind, own in rows.items())
 
 
-def transfer(kept: LinesFile, jobs: int) -> Iterator[str]:
-    """For each rule and suite a matrix: from row to column."""
+def transfer(kept: Journal, jobs: int) -> Iterator[str]:
+    """A matrix for each rule and suite: complete flights [%], tuned on the race of the row and flown on that of the column."""
     for suite, tuner in product((TABLE_I, tuple(race for race in SOLVABLE if race.startswith("airsim"))), ("guided_walk:segments",)):
         for rule in (SegmentationRule.PAPER, SegmentationRule.NONE):
             sources = [Case(race, tuner, 4, rule, confirm=10, budget=300) for race in suite]
@@ -221,14 +221,14 @@ def transfer(kept: LinesFile, jobs: int) -> Iterator[str]:
 
 
 def main() -> int:
-    """One part."""
+    """Run one part and print its tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parts = {"thresholds": thresholds, "rules": rules, "segment_switch": segment_switch, "transfer": transfer}
     parser.add_argument("part", choices=parts)
     parser.add_argument("--out", type=Path, default=Path("build/segments"))
     parser.add_argument("--jobs", type=int, default=0)
     options = parser.parse_args()
-    with LinesFile.opened(options.out / options.part) as kept:
+    with Journal.opened(options.out / options.part) as kept:
         for line in parts[options.part](kept, options.jobs):
             print(line)
     return 0

@@ -1,4 +1,4 @@
-"""How long commands take from nothing, with filled caches; and the first flight of all, without."""
+"""Time of commands in a new process with filled caches; and of the first flight on a machine, with empty caches."""
 
 from __future__ import annotations
 

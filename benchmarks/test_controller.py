@@ -1,4 +1,4 @@
-"""How long one command takes: `Controller.command`, in float64, as it would fly on a vehicle."""
+"""Time of one control step: `Controller.command` in float64, as on a vehicle."""
 
 from __future__ import annotations
 

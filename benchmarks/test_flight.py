@@ -1,4 +1,4 @@
-"""The flight core, in every kind of number: make benchmarks."""
+"""Time of flights in the flight core, for every kind of number and controller: make benchmarks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from hotlap.worlds import BuiltIn
 
 
 def fly(scenario: Scenario, flights: int, numbers: Numbers) -> tuple[Flights, float]:
-    """The default parameters in one thread, and how many control steps they flew."""
+    """Flights of the default parameters in one thread, and their number of control steps."""
     parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
     flown, effort = fly_batch(scenario, parameters, np.arange(flights), numbers=numbers, threads=1)
     return flown, effort.useful_steps
@@ -34,7 +34,7 @@ def test_flights(benchmark, scenario, numbers, kind):
 
 @pytest.mark.parametrize("flights", [1_000, 100_000])
 def test_memory_and_cost_a_flight(benchmark, scenario, flights):
-    """One after the other: what a process holds grows with the flights; the cost of one does not."""
+    """The smaller batch first: the memory of a process grows with the flights; the time per flight does not."""
     world = BuiltIn()
     world.prepare(scenario)
     parameters = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], flights, axis=0)
@@ -46,7 +46,7 @@ def test_memory_and_cost_a_flight(benchmark, scenario, flights):
 
 
 def resident() -> float:
-    """[MB] the most that this process has held so far."""
+    """Peak memory of this process so far [MB]."""
     import resource  # noqa: PLC0415  not on every system
     import sys  # noqa: PLC0415
 

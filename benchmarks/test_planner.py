@@ -1,4 +1,4 @@
-"""How long a plan takes, without the cache."""
+"""Time of planning without the cache."""
 
 from __future__ import annotations
 

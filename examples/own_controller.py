@@ -1,4 +1,4 @@
-"""A controller of your own in a simulation of your own, tuned on a hotlap reference; hotlap asks for gains and is told costs.
+"""A controller of your own in a simulation of your own, tuned on a hotlap reference: the tuner proposes gains and is given their costs.
 
 To fly inside the flight core, thousands of times faster than real time, see docs/controller.md: a model as a CasADi function.
 """
@@ -17,7 +17,7 @@ acceleration = np.diff(reference.velocity, axis=0) / reference.period
 
 
 def fly(gains: np.ndarray) -> float:
-    """Mean distance from the reference [m] of a point mass that follows its commands late and with a lag."""
+    """Mean distance from the reference [m] of a point mass that follows its commands with a dead time and a lag."""
     k_position, k_velocity, feed_forward = gains
     position, velocity, pushed = reference.position[0].copy(), np.zeros(3), np.zeros(3)
     waiting, error = [np.zeros(3)] * LATE, 0.0

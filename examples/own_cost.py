@@ -1,4 +1,4 @@
-"""A cost of your own: pass every gate, and as near to its middle as can be, instead of as soon as can be."""
+"""A cost of your own: pass every gate as close to its centre as possible, instead of in the shortest time."""
 
 import numpy as np
 
@@ -10,11 +10,11 @@ from hotlap.tuning.loop import Tuning, TuningSettings, tune
 from hotlap.tuning.objective import Objective
 from hotlap.worlds import BuiltIn
 
-MISSED = 10.0  # m: what a gate counts as that was missed
+MISSED = 10.0  # m: cost of a gate that was missed
 
 
 def worst_gate(flights: Flights, scores: Scores) -> np.ndarray:
-    """Metres from the middle of the gate that was passed worst, and `MISSED` for each that was not; shape (B,)."""
+    """Largest distance [m] from the centre of a passed gate, plus `MISSED` for each missed gate; shape (B,)."""
     passed = np.arange(flights.clock_distance.shape[1]) < flights.gates_passed[:, None]
     worst = np.where(passed, flights.clock_distance, 0.0).max(axis=1)
     return worst + MISSED * (1 - scores.completion) * passed.shape[1]

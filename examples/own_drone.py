@@ -17,7 +17,7 @@ delay = 0.05                      # s, from command to rotors
 RACE = """
 track = "circle"
 vehicle = "my-drone.toml"
-model = { base = "my-drone.toml", delay = 0.0 }    # the controller does not know of the delay
+model = { base = "my-drone.toml", delay = 0.0 }    # the delay is not in the controller's model
 [planning]
 quadrotor = "airsim-plan"
 v_max = 34.0

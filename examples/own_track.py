@@ -16,7 +16,7 @@ track = Track(
     name="bowl",
     start=(0.0, 0.0, 1.5),
     gates=tuple(Gate(position=(x, y, z)) for x, y, z in gates.tolist()),
-    end=(4.0, 0.0, 2.0),  # where the plan ends, behind the last gate; it does not count
+    end=(4.0, 0.0, 2.0),  # where the plan ends, after the last gate; it does not count as a gate
     floor=0.0,
 )
 race = hotlap.load_race("circle-34").model_copy(update={"name": "bowl", "track": track})

@@ -1,4 +1,4 @@
-"""A tuner of your own, on equal terms with the built-in ones: also `hotlap compare RACE... --tuners own_tuner.Hill,gate_gp`."""
+"""A tuner of your own, used like the built-in ones: also `hotlap compare RACE... --tuners own_tuner.Hill,gate_gp`."""
 
 from dataclasses import dataclass
 
@@ -20,7 +20,7 @@ PRESETS = {"default": Settings(), "bold": Settings(step=0.8)}
 
 
 class Hill:
-    """Steps around the best so far, the same in all segments; the protocol is `hotlap.tuners.Tuner`."""
+    """Random steps from the best parameters so far, the same in all segments; the protocol is `hotlap.tuners.Tuner`."""
 
     def __init__(self, name, settings):
         self.name, self.settings = name, settings

@@ -1,4 +1,4 @@
-"""Will it hold? Tuned parameters flown with another mass and another dead time than they were tuned for."""
+"""Robustness: tuned parameters flown with another mass and another dead time than they were tuned for."""
 
 import numpy as np
 

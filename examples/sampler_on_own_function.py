@@ -1,6 +1,6 @@
-"""hotlap's tuners on anything that has a cost, by Optuna: here a noisy function of numbers of every kind.
+"""hotlap's tuners on an objective of your own, through Optuna: here a noisy function of real and whole numbers.
 
-Needs `pip install 'hotlap[optuna]'`. The study is kept in a file; run it again, and it goes on.
+Needs `pip install 'hotlap[optuna]'`. The study is kept in a file; a second run continues it.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ optuna.logging.set_verbosity(optuna.logging.WARNING)
 
 
 def true_cost(params: dict[str, float]) -> float:
-    """Best at gain 20, delay 0.1 and 8 nodes."""
+    """The cost without noise; it is lowest at gain 20, delay 0.1 and 8 nodes."""
     return (np.log10(params["gain"]) - 1.3) ** 2 + (10 * (params["delay"] - 0.1)) ** 2 + np.log2(params["nodes"] / 8) ** 2
 
 

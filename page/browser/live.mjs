@@ -3,7 +3,7 @@ import { checker, comes, finish, launch, open } from "./open.mjs";
 
 const [address] = process.argv.slice(2);
 const { check, failures } = checker();
-const told = (page) => page.locator(".headline").innerText();
+const headline = (page) => page.locator(".headline").innerText();
 
 const browser = await launch();
 const { page, requests, complaints } = await open(browser, address, { width: 1000, height: 800, scheme: "light", motion: "reduce" });
@@ -11,7 +11,7 @@ check(await comes(page, () => window.hotlap?.frames() > 0), "the scene is drawn"
 await page.keyboard.press("3");
 await page.locator("#time").fill("1.5");
 await page.locator("#parameters .segments button").last().click();
-const before = await told(page);
+const before = await headline(page);
 console.log("ready");
 check(await comes(page, (text) => document.querySelector(".headline").innerText !== text, before, 40000), "the headline follows the study");
 check((await page.locator("[data-camera=top]").getAttribute("aria-pressed")) === "true", "the camera stays");

@@ -6,7 +6,7 @@ import { checker, comes, finish, launch, open } from "./open.mjs";
 
 const [file, folder] = process.argv.slice(2);
 const address = pathToFileURL(resolve(file)).href;
-const CARDS = ["parameters", "hold", "telemetry", "convergence", "endings", "effort", "sensitivity", "learnt", "configuration"];
+const CARDS = ["parameters", "robustness", "telemetry", "convergence", "endings", "effort", "sensitivity", "samples", "configuration"];
 const SIZES = { desktop: { width: 1440, height: 900, scheme: "light" }, phone: { width: 360, height: 800, scheme: "dark", motion: "reduce" } };
 const { check, failures } = checker();
 

@@ -1,4 +1,4 @@
-/** App: what all parts of the page share: the study, the clock, and what the reader has chosen. */
+/** App: the state that all parts of the page share: the document, the clock, and the choices of the reader. */
 import { Clock } from "./clock";
 import type { Part, Study } from "./data";
 import { Signal } from "./signal";
@@ -15,12 +15,13 @@ export class App {
   readonly camera = new Signal<Camera>("orbit");
   readonly axis = new Signal<Axis>("time");
   readonly theme: Signal<Theme>;
-  readonly shown: Signal<ReadonlySet<string>>;
-  /** Segment that was chosen. */
+  /** Flights that are drawn. */
+  readonly visible: Signal<ReadonlySet<string>>;
+  /** Segment that the reader has chosen. */
   readonly chosen = new Signal(0);
-  /** Segment pointed at; null for none. */
+  /** Segment below the pointer; null for none. */
   readonly pointed = new Signal<number | null>(null);
-  /** Segment to be lit; null for none. */
+  /** Segment that is highlighted everywhere; null for none. */
   readonly lit = new Signal<number | null>(null);
   private texts: Map<Part, string>;
 
@@ -30,11 +31,11 @@ export class App {
     this.texts = write(plain);
     this.clock = new Clock(study.scenario.duration);
     this.theme = new Signal(theme);
-    this.shown = new Signal<ReadonlySet<string>>(new Set(study.traces.map((trace) => trace.id)));
+    this.visible = new Signal<ReadonlySet<string>>(new Set(study.traces.map((trace) => trace.id)));
     this.pointed.watch((segment) => (this.lit.value = segment));
   }
 
-  /** Takes over a newer study; only the parts that differ are drawn again. */
+  /** Replaces the document by a newer one; only the parts that differ are drawn again. */
   update(study: Study, plain: Record<string, unknown>): void {
     const before = this.texts;
     this.texts = write(plain);
@@ -44,10 +45,10 @@ export class App {
     for (const key of Object.keys(this.parts) as Part[]) {
       if (before.get(key) !== this.texts.get(key)) (this.parts[key] as Signal<unknown>).value = study[key];
     }
-    if (fresh.length) this.shown.value = new Set([...this.shown.value, ...fresh]);
+    if (fresh.length) this.visible.value = new Set([...this.visible.value, ...fresh]);
   }
 
-  /** Chooses a segment, and lights it until another one is pointed at. */
+  /** Chooses a segment, and highlights it until the pointer is on another one. */
   choose(segment: number): void {
     this.chosen.value = segment;
     this.lit.value = segment;
@@ -55,9 +56,9 @@ export class App {
 
   /** Shows or hides a flight. */
   toggle(id: string): void {
-    const shown = new Set(this.shown.value);
-    if (!shown.delete(id)) shown.add(id);
-    this.shown.value = shown;
+    const visible = new Set(this.visible.value);
+    if (!visible.delete(id)) visible.add(id);
+    this.visible.value = visible;
   }
 }
 

@@ -1,4 +1,4 @@
-/** Clock: the one time of scene, slider and charts. */
+/** Clock: the time in the lap that scene, slider and charts show. */
 import { Signal } from "./signal";
 
 export const RATES = [0.25, 0.5, 1, 2, 4] as const;
@@ -8,10 +8,10 @@ export class Clock {
   readonly playing = new Signal(false);
   readonly rate = new Signal(1);
   private last = 0;
-  private held = false;
+  private frozen = false;
   private next = 0;
 
-  /** @param end [s] where it stops. */
+  /** @param end [s] time at which it stops. */
   constructor(private end: number) {}
 
   get duration(): number {
@@ -33,13 +33,13 @@ export class Clock {
     if (this.time.value >= this.end - 1e-6) this.seek(0);
     this.playing.value = true;
     this.last = performance.now();
-    cancelAnimationFrame(this.next); // of a hold that was released before the screen's next frame: one step a frame
+    cancelAnimationFrame(this.next); // frozen and released before the screen's next frame: still one step a frame
     this.next = requestAnimationFrame(this.step);
   }
 
   pause(): void {
     this.playing.value = false;
-    this.held = false;
+    this.frozen = false;
   }
 
   toggle(): void {
@@ -47,16 +47,16 @@ export class Clock {
     else this.play();
   }
 
-  /** Stands still while someone points at a time, and goes on afterwards. */
-  hold(): void {
+  /** Stops while the pointer is on a chart; `release` continues. */
+  freeze(): void {
     const playing = this.playing.value;
     this.playing.value = false;
-    this.held ||= playing;
+    this.frozen ||= playing;
   }
 
   release(): void {
-    const play = this.held;
-    this.held = false;
+    const play = this.frozen;
+    this.frozen = false;
     if (play) this.play();
   }
 

@@ -1,4 +1,4 @@
-/** Colours: they carry data only. Flights by Okabe and Ito, speed by viridis, failure by one red and a cross. */
+/** Colours: used for data only. Flights in the palette of Okabe and Ito, speed in viridis, failures in red with a cross. */
 import type { Theme } from "./app";
 
 export interface Palette {

@@ -1,4 +1,4 @@
-/** Data: a study as it is written into the page, and as the page reads it. SI units; world frame x forward, y left, z up. */
+/** Data: the document of a study, as `report/page/document.py` writes it. SI units; world frame x forward, y left, z up. */
 
 import type { Table } from "./table";
 
@@ -63,8 +63,8 @@ export interface Scenario {
   readonly segment_names: readonly string[];
   readonly reference: Reference;
   readonly limits: { readonly thrust: readonly number[]; readonly rates: readonly number[]; readonly rotor_thrust: readonly number[] };
-  readonly arm: number;
-  readonly layout: "x" | "plus";
+  /** [x, y] of each rotor relative to the centre of mass, body frame. */
+  readonly rotors: readonly (readonly [number, number])[];
 }
 
 export interface EffortNumbers {
@@ -153,7 +153,7 @@ export interface Sensitivity {
   readonly by_segment: Table;
 }
 
-export interface Hold extends Interval {
+export interface Robustness extends Interval {
   readonly change: string;
 }
 
@@ -180,7 +180,7 @@ export interface Study {
   readonly parameters: ParameterSet | null;
   readonly samples: Samples | null;
   readonly sensitivity: Sensitivity | null;
-  readonly hold: readonly Hold[];
+  readonly robustness: readonly Robustness[];
   readonly configuration: Configuration | null;
 }
 

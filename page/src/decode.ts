@@ -1,11 +1,11 @@
-/** Decoding: a study out of the JSON that stands in the page; arrays are float32 in base64. */
+/** Decoding: the document of a study from the JSON in the page; arrays are float32 in base64. */
 import type { Part, Study } from "./data";
 import type { Floats } from "./table";
 
 const EMPTY: Partial<Record<Part, unknown>> = {
   traces: [],
   repeats: [],
-  hold: [],
+  robustness: [],
   flights: null,
   parameters: null,
   samples: null,
@@ -13,7 +13,7 @@ const EMPTY: Partial<Record<Part, unknown>> = {
   configuration: null,
 };
 
-/** A study out of plain JSON. */
+/** The document of a study from plain JSON. */
 export function decode(plain: unknown): Study {
   const study = { ...EMPTY, ...(unpack(plain) as Partial<Study>) };
   if (study.format !== 1) throw new Error(`a study of format ${String(study.format)}; this page reads format 1`);

@@ -1,8 +1,8 @@
-/** Flights in time and along the track. */
+/** Flight: rows of a time series by time, and distance along the track. */
 import type { Scenario, Trace } from "./data";
 import { type Floats, row, type Table } from "./table";
 
-/** Fractional row of a time; rows ascend, the ends hold. */
+/** Fractional row of a time in ascending times; times outside give the first or last row. */
 export function find(times: Floats, time: number): number {
   let low = 0;
   let high = times.length - 1;

@@ -1,9 +1,9 @@
-/** Numbers and shares as people read them. */
+/** Format: numbers, shares and symbols as text. */
 import type { Interval } from "./data";
 
 const known = (value: number | null | undefined): value is number => value !== null && value !== undefined && Number.isFinite(value);
 
-/** A number with as many digits as say something: 0.023, 3.4, 357, 12000. */
+/** A number with three significant digits: 0.023, 3.4, 357, 12000. */
 export function digits(value: number | null | undefined, significant = 3): string {
   if (!known(value)) return "–";
   if (value === 0) return "0";

@@ -1,10 +1,10 @@
-/** Live: a study that is still running is asked for news, and taken over in place. */
+/** Live: polls the server for new flights, and updates the page in place. */
 import type { App } from "./app";
 import { decode } from "./decode";
 import { h } from "./dom";
 
 const OFTEN = 1000; // ms
-const SELDOM = 5000; // of a study that has ended, but may be given a larger budget
+const SELDOM = 5000; // ms; for a study that has ended, which may still be continued with a larger budget
 const NOTHING_NEW = 204;
 
 export function follow(app: App): void {
@@ -12,7 +12,7 @@ export function follow(app: App): void {
   document.getElementById("app")?.prepend(note);
   const ask = async (): Promise<void> => {
     const lost = !(await refresh(app));
-    note.textContent = lost ? "No connection to the study; what is shown may be old." : "";
+    note.textContent = lost ? "No connection to hotlap watch: this page may be out of date." : "";
     setTimeout(() => void ask(), lost || app.parts.headline.value.state === "finished" ? SELDOM : OFTEN);
   };
   setTimeout(() => void ask(), OFTEN);

@@ -1,10 +1,10 @@
-/** The study page: reads the study that stands in the page, and builds everything around one clock. */
+/** The page of a study: reads the document in the page, and builds all panels around one clock. */
 import "uplot/dist/uPlot.min.css";
 import "./theme.css";
 import "./layout.css";
 import { App, type Theme } from "./app";
 import { convergence } from "./charts/convergence";
-import { learnt } from "./charts/learnt";
+import { samples } from "./charts/samples";
 import { sensitivity } from "./charts/sensitivity";
 import { telemetry } from "./charts/telemetry";
 import { decode } from "./decode";
@@ -15,8 +15,8 @@ import { configuration } from "./panels/configuration";
 import { effort } from "./panels/effort";
 import { endings } from "./panels/endings";
 import { headline } from "./panels/headline";
-import { hold } from "./panels/hold";
 import { parameters } from "./panels/parameters";
+import { robustness } from "./panels/robustness";
 import { stage } from "./panels/stage";
 import { preparePrint } from "./print";
 
@@ -30,9 +30,9 @@ function start(): void {
   const still = document.getElementById("static");
   const map = still?.querySelector("svg") ?? null;
   const scene = stage(app, (map?.cloneNode(true) as SVGElement | undefined) ?? null);
-  const drawn = [convergence(app), telemetry(app), sensitivity(app), learnt(app)] as const;
+  const drawn = [convergence(app), telemetry(app), sensitivity(app), samples(app)] as const;
   const [found, time, matter, pairs] = drawn.map((part) => part.element);
-  const first = h("div", { class: "opening" }, scene.element, h("div", { class: "beside" }, parameters(app), hold(app)));
+  const first = h("div", { class: "opening" }, scene.element, h("div", { class: "beside" }, parameters(app), robustness(app)));
   const columns = [h("div", { class: "column" }, found, matter), h("div", { class: "column" }, endings(app), effort(app), pairs)];
   const rest = h("div", { class: "rest" }, time, ...columns, configuration(app));
   place.append(headline(app), h("main", {}, first, rest));
@@ -41,19 +41,19 @@ function start(): void {
   listenToKeys(app);
   if (app.parts.live.value) follow(app);
   afterPaint(() => {
-    const shown = scene.start();
-    preparePrint(app, shown);
+    const drawing = scene.start();
+    preparePrint(app, drawing);
     begin(app);
-    if (shown) Object.assign(window, { hotlap: { place: () => shown.place, frames: () => shown.view.frames } });
+    if (drawing) Object.assign(window, { hotlap: { place: () => drawing.place, frames: () => drawing.view.frames } });
   });
 }
 
-/** A browser that draws by the processor takes a second to begin with: what can be read is shown before. */
+/** A browser without a graphics card needs a second for the first picture of the scene: text and charts are shown before it. */
 function afterPaint(work: () => void): void {
   requestAnimationFrame(() => setTimeout(work));
 }
 
-/** Plays once; someone who wants no motion gets the end of the lap, with the whole trail. */
+/** Plays the flight once; a reader who prefers reduced motion sees the end of the lap with the whole trail. */
 function begin(app: App): void {
   if (matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.seek(app.parts.scenario.value.lap_time);
   else if (app.parts.traces.value.length) app.clock.play();

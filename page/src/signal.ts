@@ -1,22 +1,22 @@
-/** Signal: a value that tells when it changes. */
+/** Signal: a value that calls its watchers when it changes. */
 export class Signal<T> {
   private readonly watchers = new Set<(value: T) => void>();
 
-  constructor(private held: T) {}
+  constructor(private current: T) {}
 
   get value(): T {
-    return this.held;
+    return this.current;
   }
 
   set value(value: T) {
-    if (Object.is(value, this.held)) return;
-    this.held = value;
+    if (Object.is(value, this.current)) return;
+    this.current = value;
     for (const watch of this.watchers) watch(value);
   }
 
   /** Calls now and after each change. */
   watch(call: (value: T) => void): void {
-    call(this.held);
+    call(this.current);
     this.after(call);
   }
 

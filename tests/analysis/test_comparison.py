@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import math
 from dataclasses import replace
@@ -12,9 +13,10 @@ import pytest
 
 from fake_world import FakeWorld, make_scenario
 from hotlap import tuners, worlds
-from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cells, missing
+from hotlap.analysis import resumable
+from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of, fly_cells, missing
 from hotlap.analysis.comparison_table import ALL, cells_of, completion_band, markdown, overall, profiles, rows_of, summarise
-from hotlap.analysis.runs_file import RunsFile
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.core.errors import StudyError
 from hotlap.planning import preparation
 from hotlap.reference.segmentation import SegmentationRule, segment
@@ -23,6 +25,7 @@ from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune
 from hotlap.tuning.objective import Objective
 
 SETTINGS = TuningSettings(goal=parse_goal("completion=1"), budget=60, reliability=0.0, validation=50)
+RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
 NAMES = ("random_search:paper", "metropolis_hastings:tied", "guided_walk:default", "cma_es:log")
 
 
@@ -95,6 +98,31 @@ def test_what_is_done_is_not_flown_again_and_what_may_share_flights_does():
     assert missing([short], {(short.key, seed): make_run() for seed in range(3)}, 2) == []
 
 
+def test_runs_by_other_code_are_flown_again_and_can_still_be_read(tmp_path, monkeypatch):
+    notes: list[str] = []
+    asked = [cell(seeds=(0, 1)), cell("random_search:paper", seeds=(0, 1))]
+    first = ResumableJobs(tmp_path, 1, note=notes.append).compare(asked)
+    assert ResumableJobs(tmp_path, 1, note=notes.append).compare(asked[::-1]) == [*first[2:], *first[:2]]
+    assert notes == [f"{tmp_path / 'runs.jsonl'}: 4 of 4 runs are there already"]
+    monkeypatch.setattr(resumable, "digest_code", lambda _: "another")
+    kept = (tmp_path / "runs.jsonl").read_bytes()
+    again = ResumableJobs(tmp_path, 1, note=notes.append).compare(asked[:1])
+    assert [replace(run, tuner_time=0.0) for run in again] == [replace(run, tuner_time=0.0) for run in first[:2]]
+    assert notes[1:] == [f"{tmp_path / 'runs.jsonl'}: results of other source code than this are not used; they are computed again"]
+    assert (tmp_path / "runs.jsonl").read_bytes().startswith(kept)
+    read = sorted(RunJournal(tmp_path).done.values(), key=lambda run: (run.tuner, run.seed))
+    assert read == [*again, *first[2:]], "who only reads gets the last of each"
+
+
+def test_committed_results_can_be_read(tmp_path):
+    """They were written before a line said which code had made it."""
+    (tmp_path / "runs.jsonl").write_bytes(gzip.decompress((RESULTS / "table1.jsonl.gz").read_bytes()))
+    journal = RunJournal(tmp_path)
+    assert len(journal.done) > 1000
+    assert {run.race for run in journal.done.values()} >= {"circle-34", "qualifier-20"}
+    assert not RunJournal(tmp_path, "today's").done
+
+
 def test_cells_that_are_cut_by_different_rules_are_flown_apart():
     whole, paper = replace(cell(seeds=(0,)), segments=SegmentationRule.NONE), cell(seeds=(0,))
     assert sorted(len(group) for group in missing([whole, paper], {}, 1)) == [1, 1]
@@ -125,44 +153,44 @@ def test_a_run_survives_json_though_it_never_finished_a_lap():
 
 
 def test_the_file_keeps_runs_and_drops_the_line_that_was_being_written(tmp_path):
-    with RunsFile.opened(tmp_path) as file:
+    with RunJournal.opened(tmp_path) as file:
         for seed in range(3):
             file.add(("key", seed), make_run(seed=seed))
     path = tmp_path / "runs.jsonl"
     path.write_bytes(path.read_bytes()[:-20])
-    with RunsFile.opened(tmp_path) as file:
+    with RunJournal.opened(tmp_path) as file:
         assert sorted(file.done) == [("key", 0), ("key", 1)]
         file.add(("key", 2), make_run(seed=2, flights=31))
-    assert RunsFile(tmp_path).done["key", 2].flights == 31
-    assert len(RunsFile(tmp_path).done) == 3
+    assert RunJournal(tmp_path).done["key", 2].flights == 31
+    assert len(RunJournal(tmp_path).done) == 3
 
 
 @pytest.mark.parametrize("line", [b'{"key": "a"}', b"[1, 2]", b"\xff\xfe", b"", b'{"key": "a", "run": {"cost": 1}}'])
 def test_a_damaged_line_is_named(tmp_path, line):
     (tmp_path / "runs.jsonl").write_bytes(line + b"\n{}\n")
     with pytest.raises(StudyError, match=r"runs.jsonl: line 1: is damaged"):
-        RunsFile(tmp_path)
+        RunJournal(tmp_path)
 
 
 def test_a_file_that_is_a_folder_is_refused(tmp_path):
     (tmp_path / "runs.jsonl").mkdir()
     with pytest.raises(StudyError, match=r"runs.jsonl: cannot be read: "):
-        RunsFile(tmp_path)
+        RunJournal(tmp_path)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk at hand")
 def test_a_full_disk_is_said_and_loses_nothing(tmp_path):
-    with RunsFile.opened(tmp_path) as file:
+    with RunJournal.opened(tmp_path) as file:
         file.add(("key", 0), make_run())
         kept = file.path
         file.path = Path("/dev/full")
         with pytest.raises(StudyError, match="what was kept before stays"):
             file.add(("key", 1), make_run(seed=1))
-    assert list(RunsFile(kept.parent).done) == [("key", 0)]
+    assert list(RunJournal(kept.parent).done) == [("key", 0)]
 
 
 def test_a_folder_has_one_writer(tmp_path):
-    with RunsFile.opened(tmp_path), pytest.raises(StudyError, match="is working on this"), RunsFile.opened(tmp_path):
+    with RunJournal.opened(tmp_path), pytest.raises(StudyError, match="is working on this"), RunJournal.opened(tmp_path):
         pass
 
 

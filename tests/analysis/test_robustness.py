@@ -40,15 +40,15 @@ def test_dead_time_is_added():
 
 def test_every_change_is_flown_as_often_and_the_first_is_none():
     parameters = np.tile(TUNED, (2, 1))
-    holds = check_robustness(SCENARIO, BuiltIn("float32x8"), Goal(), parameters, seed=1, flights=16)
+    holds = check_robustness(SCENARIO, BuiltIn(), Goal(), parameters, seed=1, flights=16)
     assert [hold.change for hold in holds] == [*CHANGES, "twice the noise"]
     assert {hold.validation.flights for hold in holds} == {16}
     assert holds[0].validation.successes == 16
-    again = check_robustness(SCENARIO, BuiltIn("float32x8"), Goal(), parameters, seed=1, flights=16)
+    again = check_robustness(SCENARIO, BuiltIn(), Goal(), parameters, seed=1, flights=16)
     assert holds == again
 
 
 def test_what_is_hard_to_bear_costs_successes():
     tight = make_scenario(noise={"position": 0.05}, judge={"distance": 0.16})
-    rates = [hold.validation.rate for hold in check_robustness(tight, BuiltIn("float32x8"), Goal(), np.tile(TUNED, (2, 1)), 1, flights=16)]
+    rates = [hold.validation.rate for hold in check_robustness(tight, BuiltIn(), Goal(), np.tile(TUNED, (2, 1)), 1, flights=16)]
     assert min(rates) < rates[0]

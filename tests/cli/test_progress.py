@@ -7,11 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hotlap.api.rates import Flown, Rate
 from hotlap.api.wording import percent
 from hotlap.cli.output import finite, table, working
-from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe, follow_pieces, follow_stages, pace
+from hotlap.cli.progress import Lines, Tally, describe, follow_pieces, follow_stages, pace
 from hotlap.core.success_rate import Validation
-from hotlap.tuning.loop import Candidate
+from hotlap.tuning.candidate import Candidate
 
 
 def candidate(**changes) -> Candidate:
@@ -32,7 +33,11 @@ def test_logs_get_a_line_every_few_seconds_and_one_at_the_end(capsys):
     lines = Lines(200, 40, clock)
     for flights in range(41, 61):
         clock.now += 1.0
-        lines(SimpleNamespace(flights=flights, best=candidate(), fallen=(Validation(200, 100),) * (flights == 52), done=flights == 60))  # pyright: ignore[reportArgumentType]
+        lines(
+            SimpleNamespace(
+                flights=flights, best=candidate(), failed_validations=(Validation(200, 100),) * (flights == 52), done=flights == 60
+            )
+        )  # pyright: ignore[reportArgumentType]
     said = capsys.readouterr().err.splitlines()
     assert said[0] == "45 of 200 flights, best so far: completion 50 %, cost 3.14, 1 flights/s"
     assert [line.partition(" ")[0] for line in said] == ["45", "50", "a", "55", "60"]

@@ -13,6 +13,7 @@ from docs.pages import DOCS, ROOT
 from hotlap.cli.arguments import COMMANDS
 
 pytest.importorskip("sphinx", reason="make docs installs it")
+pytestmark = pytest.mark.check
 
 
 @pytest.fixture(scope="module")

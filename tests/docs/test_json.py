@@ -27,6 +27,7 @@ COMMANDS = {
 
 STUDY = ["tune", "circle-34", "--validation", "0", "--out", "study", "--json"]
 BEFORE = {"export": STUDY, "report": STUDY}  # what a command needs to have run
+LONG = {"tune", "export", "report", "compare"}  # commands that tune
 
 
 def documented():
@@ -45,7 +46,7 @@ def test_every_command_that_is_quick_is_looked_at():
     assert set(documented()) == {*COMMANDS, "bench", "watch"}  # which takes its time, and which does not end
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", [pytest.param(name, marks=[pytest.mark.check] * (name in LONG)) for name in COMMANDS])
 def test_keys_that_can_be_relied_on_are_there(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     if command in BEFORE:

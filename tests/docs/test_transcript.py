@@ -10,6 +10,7 @@ transcript = program("transcript")
 PAGES = ["index.md", "tutorial.md"]
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_can_be_followed_from_an_empty_folder(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

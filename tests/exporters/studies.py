@@ -9,7 +9,7 @@ import numpy as np
 
 from fake_world import FakeWorld
 from flight.scenarios import make_scenario
-from hotlap.exporters.tuned import Tuned
+from hotlap.exporters.tuned import ExportedParameters
 from hotlap.files.descriptions import save_parameters
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.reference.scenario import Scenario
@@ -43,9 +43,9 @@ def saved(scenario: Scenario) -> SavedParameters:
     return SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, VALUES, {"seed": 3, "validated_rate": 0.985})
 
 
-def tuned(scenario: Scenario) -> Tuned:
+def tuned(scenario: Scenario) -> ExportedParameters:
     """`VALUES`, as they are read from a study."""
-    return Tuned(scenario, saved(scenario), VALUES)
+    return ExportedParameters(scenario, saved(scenario), VALUES)
 
 
 def alternating() -> Segments:

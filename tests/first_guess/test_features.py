@@ -56,6 +56,13 @@ def test_moving_and_turning_a_track_changes_nothing():
     np.testing.assert_allclose(piece_features(replace(scenario, reference=moved), EVERY), piece_features(scenario, EVERY), atol=1e-9)
 
 
+def test_rows_at_another_period_change_nothing():
+    usual = climbing(4.0, 0.3, 2.0)
+    rows = {name: getattr(usual.reference, name)[::2] for name in ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts")}
+    coarse = replace(usual, reference=replace(usual.reference, **rows, period=2 * usual.reference.period))
+    np.testing.assert_allclose(piece_features(coarse, PAPER)[0], piece_features(usual, PAPER)[0], rtol=1e-2)
+
+
 def test_who_flies_is_told():
     late = scenarios.make_scenario(vehicle={"delay": 0.04}, model={"delay": 0.03}, judge={"rule": GateRule.CLOSEST})
     weight, delay, response, closest = race_features(late, tuple(OF_A_RACE))

@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
 from hotlap.flight.fly import prepare, settings_of
@@ -14,16 +13,17 @@ from hotlap.flight.job import Job, Settings
 from hotlap.flight.lanes import as_numbers, borrow
 from hotlap.flight.mpc import Mpc, allocate_mpc
 from hotlap.flight.mpc_step import aim, begin_control, control
-from hotlap.flight.numbers import COMPILE, Numbers
+from hotlap.flight.numbers import Numbers
 from hotlap.flight.segment_switch import FRESH
 
 from . import scenarios, stages
+from .kept import kept
 
 LOW, HIGH = np.array([0.1, -10.0, -10.0, -3.0]), np.array([20.0, 10.0, 10.0, 3.0])
 SPACING, GRAVITY = 0.1, 9.81
 
 
-@njit(**COMPILE)
+@kept
 def control_step(s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     """From the state seen to the command; raw memory of one lane."""
     control(s, as_numbers(borrow(mpc), 0), as_numbers(borrow(loop), 0))
@@ -31,7 +31,7 @@ def control_step(s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
 
 def settings(**changes: Any) -> Settings:
     """Of the small race: no prediction."""
-    return settings_of(scenarios.make_race())._replace(**changes)
+    return settings_of(scenarios.make_scenario())._replace(**changes)
 
 
 def allocate(nodes: int, commands: int = 3) -> tuple[Mpc, ControlLoop]:
@@ -43,13 +43,13 @@ def allocate(nodes: int, commands: int = 3) -> tuple[Mpc, ControlLoop]:
     return mpc, loop
 
 
-@njit(**COMPILE)
+@kept
 def aim_step(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, before: int, time: float, elapsed: float) -> int:
     """What the lane of flight 0 is to track."""
     return aim(job, s, mpc, loop, 0, 0, before, time, elapsed)
 
 
-@njit(**COMPILE)
+@kept
 def begin(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     """Set the lane up."""
     begin_control(job, s, mpc, 0)
@@ -108,10 +108,10 @@ def best_plan(mpc: Mpc, loop: ControlLoop) -> tuple[np.ndarray, np.ndarray]:
 
 def three_steps(segment: int) -> list[float]:
     """Commands of three control steps that end in a segment, beside the reference and with a dead time."""
-    race = scenarios.make_scenario(model={"delay": 0.025}, controller={"nodes": 4})
+    scenario = scenarios.make_scenario(model={"delay": 0.025}, controller={"nodes": 4})
     values = np.array([[scenarios.TUNED, (100.0, 200.0, 30.0, 4.0, 4.0)]])
-    job, _ = prepare(race, values, np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
-    s = settings_of(race.race)
+    job, _ = prepare(scenario, values, np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
+    s = settings_of(scenario)
     mpc, loop = allocate_mpc(s.nodes, 1, np.float64), allocate_control_loop(4, 1, np.float64)
     begin(job, s, mpc, loop)
     before, commands = FRESH, []

@@ -10,41 +10,41 @@ from collections.abc import Iterator
 
 import daqp
 import numpy as np
-from numba import njit
 
 from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
 from hotlap.flight.fly import fly_batch, prepare, settings_of
 from hotlap.flight.job import Job, Settings
-from hotlap.flight.kernel import Lane, _actuate, _take_flight
+from hotlap.flight.kernel import Lane, _actuate, _start_flight
 from hotlap.flight.mpc import Mpc, allocate_mpc, solve
 from hotlap.flight.mpc_step import aim, begin_control, begin_plan
-from hotlap.flight.numbers import Numbers
+from hotlap.flight.numbers import Numbers, best_numbers
 from hotlap.flight.plant import VehicleState, allocate_vehicle_state, fly_period
 from hotlap.flight.segment_switch import FRESH
 from hotlap.reference.scenario import Scenario
 
 from . import stages
+from .kept import kept
 
 INFEASIBLY_FAR = 1e-9  # of an input from its bound: nearer is at the bound
 
 
-@njit
+@kept
 def begin_one(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     begin_control(job, s, mpc, 0)
     begin_control_loop(s, loop, 0)
 
 
-@njit
+@kept
 def aim_one(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, before: int, time: float) -> int:
     return aim(job, s, mpc, loop, 0, 0, before, time, s.period)
 
 
-@njit
+@kept
 def begin_plan_one(s: Settings, m: Mpc, p: ControlLoop) -> None:
     begin_plan(s, m, p)
 
 
-@njit
+@kept
 def solve_one(m: Mpc, sweeps: int) -> None:
     solve(m, sweeps, False)
 
@@ -62,8 +62,8 @@ def copied(memory):
 def problems(scenario: Scenario, parameters: np.ndarray, seed: int, every: int) -> Iterator[Mpc]:
     """Memory as it stands before the solver, at every so many control steps of a flight; parameters have shape (S, K)."""
     job, _ = prepare(scenario, parameters[None], np.array([seed]), Numbers.FLOAT64, None, ())
-    log = fly_batch(scenario, parameters[None], np.array([seed]), numbers=Numbers.FLOAT32X8, threads=1, log=[0])[0].logs[0]
-    s = settings_of(scenario.race)
+    log = fly_batch(scenario, parameters[None], np.array([seed]), numbers=best_numbers(), threads=1, log=[0])[0].logs[0]
+    s = settings_of(scenario)
     mpc, loop = allocate_mpc(s.nodes, 1, np.float64), allocate_control_loop(s.predicted_periods + 2, 1, np.float64)
     begin_one(job, s, mpc, loop)
     segment = FRESH
@@ -126,12 +126,12 @@ def is_bounded(mpc: Mpc, inputs: np.ndarray) -> bool:
     return bool(((inputs <= low + INFEASIBLY_FAR) | (inputs >= high - INFEASIBLY_FAR)).any())
 
 
-@njit
+@kept
 def take_off(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane) -> None:
-    _take_flight(job, s, loop, vehicle_state, lane, 0)
+    _start_flight(job, s, loop, vehicle_state, lane, 0)
 
 
-@njit
+@kept
 def fly_on(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, numbers: VehicleState, lane: Lane) -> None:
     _actuate(job, s, loop, vehicle_state, lane, 0)
     fly_period(numbers, s.steps)
@@ -141,7 +141,7 @@ def fly_on(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState
 def closed_loop(scenario: Scenario, parameters: np.ndarray, seed: int, steps: int, sweeps: int | None) -> np.ndarray:
     """Positions of a flight, shape (steps, 3), whose quadratic problems are solved by so many sweeps, or exactly where that is None."""
     job, _ = prepare(scenario, parameters[None], np.array([seed]), Numbers.FLOAT64, None, ())
-    s = settings_of(scenario.race)
+    s = settings_of(scenario)
     mpc, vehicle_state = allocate_mpc(s.nodes, 1, np.float64), allocate_vehicle_state(1, np.float64)
     loop = allocate_control_loop(max(int(job.delay_periods.max()), s.predicted_periods) + 2, 1, np.float64)
     lane = Lane(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros((7, 1)))

@@ -10,7 +10,7 @@ import numpy as np
 from hotlap.core.records import Flights
 from hotlap.files.descriptions import load_race
 from hotlap.flight.fly import fly_batch
-from hotlap.flight.numbers import Numbers
+from hotlap.flight.numbers import Numbers, best_numbers
 from hotlap.planning.attitude import follow_axes, turn_rates
 from hotlap.race.race import Race
 from hotlap.race.track import Gate, Track
@@ -27,9 +27,13 @@ QUIET = dict.fromkeys(("thrust", "rates", "thrust_bias", "position", "velocity",
 
 
 @cache
-def make_reference() -> Reference:
-    """From rest at the origin around a circle, rising a little; the table goes on behind the last gate."""
-    t = np.arange(0.0, 8.0, PERIOD)
+def make_reference(period: float = PERIOD) -> Reference:
+    """From rest at the origin around a circle, rising a little; the table goes on behind the last gate.
+
+    Args:
+        period: [s] between rows.
+    """
+    t = np.arange(0.0, 8.0, period)
     share = np.clip(t / RAMP, 0.0, 1.0)
     speed = SPEED * share**2 * (3 - 2 * share)
     along = SPEED * np.where(t < RAMP, RAMP * (share**3 - share**4 / 2), t - RAMP / 2)
@@ -42,9 +46,10 @@ def make_reference() -> Reference:
     thrust = acceleration + [0, 0, GRAVITY]
     size = np.linalg.norm(thrust, axis=1)
     attitude = follow_axes(thrust / size[:, None], np.array([1.0, 0.0, 0.0, 0.0]))
-    turns = turn_rates(attitude, PERIOD)
+    turns = turn_rates(attitude, period)
     rates = np.vstack([turns[:1], (turns[1:] + turns[:-1]) / 2, turns[-1:]])
-    return Reference(position, attitude, velocity, rates, size, np.full((len(t), 4), np.nan), GATE_TIMES, float(GATE_TIMES[-1]))
+    unknown, duration = np.full((len(t), 4), np.nan), float(GATE_TIMES[-1])
+    return Reference(position, attitude, velocity, rates, size, unknown, GATE_TIMES, duration, period=period)
 
 
 def make_race(vehicle: dict[str, Any] | None = None, **settings: dict[str, Any]) -> Race:
@@ -79,8 +84,8 @@ def parameters(flights: int, values: tuple[float, ...] = TUNED) -> np.ndarray:
     return np.tile(np.array(values), (flights, 2, 1))
 
 
-def fly(scenario: Scenario, flights: int | np.ndarray = 1, *, numbers: str = "float32x8", seeds: Any = None, **options: Any) -> Flights:
-    """Fly so many flights with the tuned parameters, or given parameters, in one thread."""
+def fly(scenario: Scenario, flights: int | np.ndarray = 1, *, numbers: str = "", seeds: Any = None, **options: Any) -> Flights:
+    """Fly so many flights with the tuned parameters, or given parameters, in one thread, as users fly them."""
     asked = parameters(flights) if isinstance(flights, int) else flights
     seeds = np.arange(len(asked)) if seeds is None else np.asarray(seeds)
-    return fly_batch(scenario, asked, seeds, numbers=Numbers(numbers), **{"threads": 1, **options})[0]
+    return fly_batch(scenario, asked, seeds, numbers=Numbers(numbers) if numbers else best_numbers(), **{"threads": 1, **options})[0]

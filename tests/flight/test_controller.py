@@ -36,7 +36,7 @@ def test_both_quaternions_of_an_attitude_are_one():
 
 
 def test_an_old_state_is_predicted_through_the_commands_given_since():
-    """A state as old as the dead time that is known is worth as much as a dead time twice as long with a fresh one."""
+    """A state as old as the dead time that is known has the same command as a dead time twice as long with a fresh one."""
     once, twice = make_scenario(model={"delay": 0.03}), make_scenario(model={"delay": 0.06})
     old, fresh = Controller(once, np.array(TUNED)), Controller(twice, np.array(TUNED))
     states = once.reference.table

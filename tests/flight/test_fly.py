@@ -7,13 +7,15 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from flight.scenarios import BORDER, GATE_TIMES, TUNED, fly, make_scenario, parameters
+from flight.scenarios import BORDER, GATE_TIMES, TUNED, fly, make_reference, make_scenario, parameters
 from hotlap.core.errors import HotlapError
 from hotlap.core.records import End, Flights
 from hotlap.files.descriptions import load_race
 from hotlap.flight.fly import fly_batch
-from hotlap.flight.numbers import Numbers
+from hotlap.flight.numbers import Numbers, best_numbers
 from hotlap.planning.preparation import prepare
+from hotlap.race import vehicle_parameters as columns
+from hotlap.race.controllers import ControllerKind
 from hotlap.race.race import SegmentSwitch
 from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, vehicle_parameters_of
 from hotlap.reference.segmentation import SegmentClass, Segments
@@ -40,7 +42,7 @@ def test_flights_of_the_batch_end_in_more_than_one_way(whole):
     assert len(set(whole.end.tolist())) > 1
 
 
-@pytest.mark.parametrize("numbers", ["float32x8", "float64"])
+@pytest.mark.parametrize("numbers", [best_numbers(), Numbers.FLOAT64])
 def test_a_flight_is_the_same_alone_at_any_place_and_in_any_order(numbers):
     flown = fly(NOISY, SCATTERED[:12], numbers=numbers)
     order = np.random.default_rng(1).permutation(12)
@@ -68,16 +70,39 @@ def test_lanes_fly_as_plain_floats_do_while_flights_are_stable():
     assert 0 < max(apart) < 2e-4
 
 
+@pytest.mark.parametrize("kind", [ControllerKind.MPC, ControllerKind.GEOMETRIC])
+@pytest.mark.parametrize("period", [0.005, 0.02])
+def test_a_path_with_rows_at_another_period_is_the_same_path(period, kind):
+    usual = make_scenario(noise=NOISE)
+    usual = replace(usual, race=usual.race.with_controller(kind))
+    asked = np.tile(usual.space.default if kind is ControllerKind.GEOMETRIC else TUNED, (8, 2, 1))
+    flown, expected = fly(replace(usual, reference=make_reference(period)), asked), fly(usual, asked)
+    assert (expected.gates_passed == 5).all()
+    np.testing.assert_array_equal(flown.gates_passed, expected.gates_passed)
+    np.testing.assert_allclose(flown.mean_error, expected.mean_error, rtol=0.1)
+    np.testing.assert_allclose(flown.clock_distance, expected.clock_distance, atol=0.02)
+
+
+def test_the_order_of_the_columns_of_vehicles_is_written_once(monkeypatch):
+    """In another order, the same vehicles fly the same flights."""
+    rows = np.random.default_rng(0).uniform(0.9, 1.1, (8, len(VEHICLE_PARAMETERS))) * vehicle_parameters_of(NOISY.race.vehicle)
+    expected, drawn = fly(NOISY, 8, vehicle_parameters=rows), fly(NOISY, 8)
+    order = np.random.default_rng(1).permutation(len(VEHICLE_PARAMETERS))
+    monkeypatch.setattr(columns, "VEHICLE_PARAMETERS", tuple(VEHICLE_PARAMETERS[i] for i in order))
+    assert_same(fly(NOISY, 8, vehicle_parameters=rows[:, order]), slice(None), expected, slice(None))
+    assert_same(fly(NOISY, 8), slice(None), drawn, slice(None))
+
+
 def test_a_real_race_is_flown_alike_by_lanes_and_plain_floats():
     scenario = prepare("circle-34")
     asked = np.tile(TUNED, (8, len(scenario.segments), 1))
-    lanes, scalar = (fly_batch(scenario, asked, np.arange(8), numbers=Numbers(kind))[0] for kind in ("float32x8", "float64"))
+    lanes, scalar = (fly_batch(scenario, asked, np.arange(8), numbers=kind)[0] for kind in (best_numbers(), Numbers.FLOAT64))
     assert (lanes.end == End.FINISHED).sum() >= 7
     np.testing.assert_array_equal(lanes.gates_passed, scalar.gates_passed)
     np.testing.assert_allclose(lanes.mean_error, scalar.mean_error, atol=2e-3)
 
 
-def test_a_truth_acts_on_its_flight_alone_and_that_of_the_race_changes_nothing(whole):
+def test_a_vehicle_acts_on_its_flight_alone_and_that_of_the_race_changes_nothing(whole):
     vehicle_parameters = np.tile(vehicle_parameters_of(NOISY.race.vehicle), (40, 1))
     assert_same(fly(NOISY, SCATTERED, vehicle_parameters=vehicle_parameters), slice(None), whole, slice(None))
     vehicle_parameters[4, VEHICLE_PARAMETERS.index("mass")] *= 1.3
@@ -102,7 +127,7 @@ def test_a_controller_that_knows_its_dead_time_flies_what_one_that_does_not_cann
     for flown in (race, knowing):
         scenario = prepare(flown)
         asked = np.repeat(scenario.space.first_guess(len(scenario.segments))[None], 32, axis=0)
-        flights = fly_batch(scenario, asked, np.arange(32), numbers=Numbers.FLOAT32X8)[0]
+        flights = fly_batch(scenario, asked, np.arange(32), numbers=best_numbers())[0]
         complete.append(int((flights.end == End.FINISHED).sum()))
     assert complete[1] == 32
     assert complete[0] < 28
@@ -183,11 +208,12 @@ def test_every_kind_of_noise_makes_flights_differ(noise):
 
 
 def test_lane_steps_are_counted_and_refilled():
-    _, effort = fly_batch(NOISY, SCATTERED, np.arange(40), numbers=Numbers.FLOAT32X8, threads=1)
-    assert effort.lane_steps % 8 == 0
+    numbers = best_numbers()
+    _, effort = fly_batch(NOISY, np.tile(SCATTERED, (2, 1, 1)), np.arange(80), numbers=numbers, threads=1)
+    assert effort.lane_steps % numbers.lanes == 0
     assert 0.75 < effort.useful_share < 1
-    _, alone = fly_batch(NOISY, SCATTERED[:1], np.arange(1), numbers=Numbers.FLOAT32X8, threads=1)
-    assert alone.useful_share == 1 / 8
+    _, alone = fly_batch(NOISY, SCATTERED[:1], np.arange(1), numbers=numbers, threads=1)
+    assert alone.useful_share == 1 / numbers.lanes
 
 
 def test_no_flights_are_no_flights():

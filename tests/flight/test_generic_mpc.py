@@ -1,4 +1,4 @@
-"""The controller with any model: its stages do what dense matrices do, and it flies through the same door."""
+"""The controller with any model: its stages do what dense matrices do, and it flies in the same kernel."""
 
 from __future__ import annotations
 

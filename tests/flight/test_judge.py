@@ -9,13 +9,21 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from hotlap.core.records import End
-from hotlap.flight.judge import Verdicts, gates_of, judge, new_verdicts
+from hotlap.flight.judge import Gates, Verdicts, gates_of, judge, new_verdicts
 from hotlap.race.race import GateRule, JudgeSettings
+
+from .kept import kept
 
 GATES = np.array([[2.0, 0, 0], [4.0, 0, 0], [6.0, 0, 0]])
 TIMES = np.array([1.0, 2.0, 3.0])  # the reference flies at 2 m/s along x
 SPEED = 2.0
 EVERY_RULE = pytest.mark.parametrize("rule", GateRule)
+
+
+@kept
+def judge_one(v: Verdicts, g: Gates, start: float, before: Any, time: float, now: Any, reference: Any, rate: float) -> bool:
+    """Judge a period of flight 1."""
+    return judge(v, 1, g, start, before, time, now, reference, rate)
 
 
 def fly(
@@ -27,7 +35,7 @@ def fly(
     for k in range(round(last / period)):
         start, now = period * k, period * (k + 1)
         reference = (SPEED * now, 0.0, 0.0)
-        if judge(v, 1, g, start, place(path, start), now, place(path, now), reference, float(rates(now))):
+        if judge_one(v, g, start, place(path, start), now, place(path, now), reference, float(rates(now))):
             return v
     return v
 

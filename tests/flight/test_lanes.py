@@ -13,8 +13,10 @@ import pytest
 from numba import njit
 from numpy.testing import assert_allclose, assert_array_equal
 
-from hotlap.flight.lanes import as_numbers, borrow, every, number, select, square_root, take
+from hotlap.flight.lanes import as_numbers, borrow, every, fetch_and_add, number, select, square_root
 from hotlap.flight.numbers import COMPILE, Numbers
+
+from .kept import kept
 
 INPUTS = 3  # two of any sign, one positive
 
@@ -66,11 +68,10 @@ def work(x: Any, out: Any, flags: Any) -> None:
 def compiled_work(numbers: Numbers) -> Any:
     inner, width = njit(**COMPILE)(work), numbers.width
 
-    @njit(**COMPILE)
     def call(x: np.ndarray, out: np.ndarray, flags: np.ndarray) -> None:
         inner(as_numbers(x, width), as_numbers(out, width), flags)
 
-    return call
+    return kept(call, numbers)
 
 
 def draw(numbers: Numbers) -> np.ndarray:
@@ -125,7 +126,6 @@ class Memory(NamedTuple):
 def test_memory_seen_as_numbers_is_the_same_memory(numbers):
     width = numbers.width
 
-    @njit(**COMPILE)
     def double_and_move(memory: Memory) -> int:
         m = as_numbers(memory, width)
         m.one[1] = m.one[0] * 2.0
@@ -135,7 +135,7 @@ def test_memory_seen_as_numbers_is_the_same_memory(numbers):
     one = np.arange(2 * numbers.lanes, dtype=numbers.dtype).reshape(2, numbers.lanes)
     two = np.arange(6 * numbers.lanes, dtype=numbers.dtype).reshape(2, 3, numbers.lanes) + 0.5
     before = two.copy()
-    assert double_and_move(Memory(one, two)) == 223
+    assert kept(double_and_move, numbers)(Memory(one, two)) == 223
     assert_array_equal(one[1], 2 * np.arange(numbers.lanes))
     assert_array_equal(two[1, 2], before[0, 1])
     before[1, 2] = before[0, 1]
@@ -167,14 +167,14 @@ def test_borrowed_memory_is_used_and_not_counted():
     assert borrow(memory) is memory
 
 
-def test_threads_never_take_the_same():
+def test_threads_never_get_the_same():
     rounds, counter, start = 5_000_000, np.zeros(1, dtype=np.int64), Barrier(2)
 
     @njit(nogil=True)
     def sum_of(counter: np.ndarray, latest: np.ndarray, rounds: int) -> int:
         total = 0
         for _ in range(rounds):
-            latest[0] = take(counter)  # in memory, lest the loop is replaced by its result
+            latest[0] = fetch_and_add(counter)  # in memory, lest the loop is replaced by its result
             total += latest[0]
         return total
 
@@ -186,4 +186,4 @@ def test_threads_never_take_the_same():
     with ThreadPoolExecutor(2) as pool:
         totals = list(pool.map(together, range(2)))
     assert sum(totals) == rounds * (2 * rounds - 1)  # each number from 0 once
-    assert take(counter) == 2 * rounds
+    assert fetch_and_add(counter) == 2 * rounds

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from hotlap.flight.fly import prepare, settings_of
 from hotlap.flight.job import Job
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.segment_switch import FRESH, Mode
+from hotlap.flight.segment_switch import BY_DISTANCE, BY_NODE, FRESH
 
 from . import controls, scenarios
 
@@ -76,7 +76,7 @@ def test_another_segment_has_its_own_weights_and_spacing():
 def test_each_node_may_have_the_weights_of_its_own_segment():
     other = (100.0, 200.0, 30.0, 4.0, 2.0)
     job, (mpc, loop) = make_job(second=other), controls.allocate(5)
-    by_node = controls.settings(segment_switch=Mode.NODE)
+    by_node = controls.settings(segment_switch=BY_NODE)
     assert controls.aim_step(job, by_node, mpc, loop, FRESH, scenarios.BORDER - 0.4, PERIOD) == 0
     assert mpc.spacing[0, 0] == pytest.approx(0.15)  # of the segment that the first node is in
     assert_array_equal(mpc.weights[..., 0], [scenarios.TUNED[:4]] * 3 + [other[:4]] * 3)
@@ -87,7 +87,7 @@ def test_each_node_may_have_the_weights_of_its_own_segment():
 def test_the_drone_may_have_to_come_close_before_the_next_segment_begins():
     other = (100.0, 200.0, 30.0, 4.0, 2.0)
     job, (mpc, loop) = make_job(second=other), controls.allocate(5)
-    near = controls.settings(segment_switch=Mode.DISTANCE, segment_switch_distance=1.0)
+    near = controls.settings(segment_switch=BY_DISTANCE, segment_switch_distance=1.0)
     border = scenarios.make_reference().position_at(np.array([scenarios.BORDER]))[0]
     loop.seen[:3, 0] = border
     assert controls.aim_step(job, near, mpc, loop, FRESH, 0.0, PERIOD) == 0  # a flight begins with the first
@@ -135,30 +135,31 @@ def test_the_state_is_predicted_through_the_commands_on_their_way(periods, rest)
     assert_allclose(mpc.X[0, :, 0], expected, atol=1e-12)
 
 
-def interpreted(call: str) -> list[float]:
-    """What a call of `controls` gives in a process without a compiler."""
+@pytest.fixture(scope="module")
+def interpreted() -> list[list[float]]:
+    """Three control steps that end in each segment, in a process without a compiler."""
     tests = Path(__file__).parents[1]
-    program = f"import json; from flight import controls; print(json.dumps(controls.{call}))"
+    program = "import json; from flight import controls; print(json.dumps([controls.three_steps(segment) for segment in (0, 1)]))"
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run([sys.executable, "-c", program], cwd=tests, env=environment, capture_output=True, text=True, check=True)
     return json.loads(done.stdout)
 
 
 @pytest.mark.parametrize("segment", [0, 1])
-def test_without_a_compiler_it_does_the_same(segment):
+def test_without_a_compiler_it_does_the_same(segment, interpreted):
     """Three control steps, across the border between the segments or not."""
-    assert_allclose(interpreted(f"three_steps({segment})"), controls.three_steps(segment), rtol=1e-9, atol=1e-9)
+    assert_allclose(interpreted[segment], controls.three_steps(segment), rtol=1e-9, atol=1e-9)
 
 
 def test_settings_are_those_of_the_race():
-    race = scenarios.make_race(model={"delay": 0.0475}, noise={"thrust": 0.02, "time": 0.1, "wind": 0.3}, controller={"sweeps": 4})
-    s = settings_of(race)
+    noisy = scenarios.make_scenario(model={"delay": 0.0475}, noise={"thrust": 0.02, "time": 0.1, "wind": 0.3}, controller={"sweeps": 4})
+    s = settings_of(noisy)
     assert (s.sweeps, s.steps, s.gravity, s.wind, s.thrust_noise) == (4, 4, 9.81, 0.3, 0.02)
     assert (s.predicted_periods, s.predicted_rest, s.lead) == (4, pytest.approx(0.0075), 0.0475)
     assert s.noise_memory == pytest.approx(np.exp(-0.1))
-    now = settings_of(scenarios.make_race(model={"delay": 0.0475}, controller={"reference_time": "now"}))
+    now = settings_of(scenarios.make_scenario(model={"delay": 0.0475}, controller={"reference_time": "now"}))
     assert (now.lead, now.predicted_periods) == (0.0, 4)
-    blind = settings_of(scenarios.make_race(model={"delay": 0.0475}, controller={"predict": False}))
+    blind = settings_of(scenarios.make_scenario(model={"delay": 0.0475}, controller={"predict": False}))
     assert (blind.lead, blind.predicted_periods, blind.predicted_rest) == (0.0, 0, 0.0)
-    whole = settings_of(scenarios.make_race(model={"delay": 0.05}))
+    whole = settings_of(scenarios.make_scenario(model={"delay": 0.05}))
     assert (whole.predicted_periods, whole.predicted_rest) == (5, 0.0)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numba import njit
 from numpy.testing import assert_allclose, assert_array_equal
 
 from hotlap.flight import noise
+
+from .kept import kept
 
 COUNT = 20_000
 CHANNELS = {
@@ -17,7 +18,7 @@ CHANNELS = {
 }
 
 
-@njit
+@kept
 def draw(seeds: np.ndarray, steps: np.ndarray, channels: np.ndarray) -> np.ndarray:
     out = np.zeros(len(seeds))
     for i in range(len(out)):

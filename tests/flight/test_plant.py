@@ -211,7 +211,7 @@ def test_damping_weakens_the_torque_that_is_asked_for():
     assert simulate(rest(), command, 0.1, damped)[-1, 10] < 0.95 * simulate(rest(), command, 0.1)[-1, 10]
 
 
-def test_truth_has_the_quadrotors_numbers_in_the_stated_columns():
+def test_vehicle_parameters_are_the_quadrotors_numbers_in_the_stated_columns():
     values = dict(zip(VEHICLE_PARAMETERS, vehicle_parameters_of(DRAGGED), strict=True))
     assert values["mass"] == DRAGGED.mass
     assert (values["motor_time_up"], values["motor_time_down"]) == DRAGGED.motor_time
@@ -222,7 +222,7 @@ def test_truth_has_the_quadrotors_numbers_in_the_stated_columns():
 
 
 @pytest.mark.parametrize(("column", "value"), [("mass", 0.0), ("inertia_y", -1.0), ("drag_x", np.nan), ("motor_time_up", np.inf)])
-def test_impossible_truths_are_named(column, value):
+def test_impossible_vehicle_parameters_are_named(column, value):
     vehicles = np.tile(vehicle_parameters_of(RACER), (3, 1))
     vehicles[1, VEHICLE_PARAMETERS.index(column)] = value
     with pytest.raises(HotlapError, match=rf"vehicle_parameters\[1\]: {column}"):
@@ -245,8 +245,8 @@ def test_in_a_period_the_older_command_acts_first():
     )
     vehicle_state.disturbance[0] = 1.0
     vehicle_state.older[:, 0], vehicle_state.acting[:, 0] = (14.0, 0, 0, 0), (6.0, 0, 0, 0)
-    craft_before = vehicle_state.state[:3, 0].copy()
+    place_before = vehicle_state.state[:3, 0].copy()
     fly_period.py_func(type(vehicle_state)(*(array[..., 0] for array in vehicle_state)), 4)
     halfway = simulate(rest(), np.array([14.0, 0, 0, 0]), 3 * PLANT_STEP)[-1]
     assert_allclose(vehicle_state.state[:, 0], simulate(halfway, np.array([6.0, 0, 0, 0]), PLANT_STEP)[-1], rtol=1e-12)
-    assert_allclose(vehicle_state.before[:, 0], craft_before)
+    assert_allclose(vehicle_state.before[:, 0], place_before)

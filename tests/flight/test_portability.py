@@ -45,7 +45,7 @@ def test_lanes_are_as_many_as_what_numba_compiles_for_can_take(environment, expe
 @pytest.mark.slow
 def test_a_processor_without_wide_vectors_flies_the_same():
     tests = "lanes_fly_as_plain_floats or threads_and_logs or end_in_more_than_one_way or lanes_agree"
-    files = [str(HERE / "test_batch.py"), str(HERE / "test_self_check.py")]
+    files = [str(HERE / "test_fly.py"), str(HERE / "test_self_check.py")]
     said = run(["-m", "pytest", "-q", "-k", tests, *files], NUMBA_CPU_NAME="generic")
     assert re.search(r"^6 passed", said, re.MULTILINE), said
 

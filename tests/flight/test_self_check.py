@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -10,15 +10,14 @@ from numba.core.errors import NumbaError
 from numpy.testing import assert_allclose, assert_array_equal
 
 from flight.scenarios import fly, make_scenario, parameters
+from hotlap.core.errors import HotlapError
 from hotlap.flight import self_check
 from hotlap.flight.fly import fly_batch
-from hotlap.flight.kernel import worker
-from hotlap.flight.numbers import Numbers
-from hotlap.flight.program import MEANING
+from hotlap.flight.numbers import Numbers, best_numbers
 from hotlap.race.controllers import ControllerKind
 from hotlap.worlds import BuiltIn
 
-LANES = Numbers.FLOAT32X8
+LANES = best_numbers()
 
 
 @pytest.fixture
@@ -29,14 +28,47 @@ def remark(tmp_path, monkeypatch):
     return path
 
 
-def test_the_interpreter_flies_what_plain_floats_fly():
-    scenario = self_check.make_scenario(ControllerKind.MPC)
-    asked, seeds = np.tile(scenario.space.default, (2, 2, 1)), np.arange(2)
-    logs, errors = self_check.fly_interpreted(scenario, asked, seeds)
-    flown = fly_batch(scenario, asked, seeds, numbers=Numbers.FLOAT64, log=[0, 1])[0]
-    for i in range(2):
-        assert_allclose(logs[i][:, :13], flown.logs[i].states, atol=1e-9)
-        assert_allclose(logs[i][:, 17:], flown.logs[i].commands, atol=1e-9)
+WRONG = {"minimum": "max", "negate": "float", "sqrt": "lambda a: 1.01 * a**0.5"}  # operations that mean something else
+INTERPRET = f"""
+import sys
+import numpy as np
+from hotlap.core.errors import HotlapError
+from hotlap.flight import self_check
+from hotlap.flight.program import MEANING
+lanes, flown = {LANES.lanes}, {{}}
+def fly(name, kind):
+    flown.update({{f"{{name}}-{{k}}": array for k, array in enumerate(self_check.fly_interpreted(kind, lanes))}})
+for kind in self_check.ControllerKind:
+    fly(kind, kind)
+for operation, wrong in {{{", ".join(f'"{operation}": {wrong}' for operation, wrong in WRONG.items())}}}.items():
+    right, MEANING[operation] = MEANING[operation], wrong
+    fly(operation, self_check.ControllerKind.GEOMETRIC)
+    MEANING[operation] = right
+np.savez(sys.stdout.buffer, **flown)
+"""
+
+
+@pytest.fixture(scope="module")
+def interpreted() -> dict[str, list[np.ndarray]]:
+    """What an interpreter flies, with every controller, and with each operation that means something else; of one process."""
+    found: dict[str, list[np.ndarray]] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(self_check, "PROGRAM", INTERPRET)
+        with self_check.interpreter(ControllerKind.MPC, LANES.lanes) as running:
+            arrays = np.load(BytesIO(self_check.answer_of(running)))
+    for name in arrays.files:
+        found.setdefault(name.rpartition("-")[0], []).append(arrays[name])
+    return found
+
+
+def test_the_interpreter_flies_what_plain_floats_fly(interpreted):
+    scenario, rows = self_check.make_scenario(ControllerKind.MPC), self_check.compared(LANES.lanes)
+    asked, seeds = self_check.draw_flights(scenario, LANES.lanes)
+    flown = fly_batch(scenario, asked[rows], seeds[rows], numbers=Numbers.FLOAT64, log=range(len(rows)))[0]
+    *logs, errors = interpreted[ControllerKind.MPC]
+    for i, log in enumerate(logs):
+        assert_allclose(log[:, :13], flown.logs[i].states, atol=1e-9)
+        assert_allclose(log[:, 17:], flown.logs[i].commands, atol=1e-9)
     assert_allclose(errors, flown.mean_error, atol=1e-12)
 
 
@@ -47,26 +79,29 @@ def test_the_flights_meet_bounds_and_leave_them():
     assert 0.2 < (thrust > scenario.race.controller.thrust[1] - 1e-6).mean() < 0.8
 
 
-def test_nothing_compiled_is_left_in_an_interpreted_function():
-    known = {}
-    self_check.interpreted(worker(LANES, ControllerKind.MPC), known)
-    assert {function.__name__ for function in known.values()} >= {"work", "control", "solve", "fly_period", "judge", "normal"}
-    for function in known.values():
-        modules = [value for value in function.__globals__.values() if isinstance(value, SimpleNamespace)]
-        values = [value for module in modules for value in vars(module).values()]
-        values += [*function.__globals__.values(), *(cell.cell_contents for cell in function.__closure__ or ())]
-        assert not [value for value in values if hasattr(value, "py_func")]
-
-
 @pytest.mark.parametrize("kind", ControllerKind)
-def test_lanes_agree_with_the_interpreter(kind):
-    assert self_check.check(LANES, kind)
+def test_lanes_agree_with_the_interpreter(kind, interpreted):
+    assert self_check.same(self_check.fly_compiled(LANES, kind), interpreted[kind])
 
 
-@pytest.mark.parametrize(("operation", "meaning"), [("minimum", max), ("negate", float), ("sqrt", lambda a: 1.01 * a**0.5)])
-def test_an_operation_that_means_something_else_is_found_out(operation, meaning, monkeypatch):
-    monkeypatch.setitem(MEANING, operation, meaning)
-    assert not self_check.check(LANES, ControllerKind.MPC)
+@pytest.mark.parametrize("operation", WRONG)
+def test_an_operation_that_means_something_else_is_found_out(operation, interpreted):
+    assert not self_check.same(self_check.fly_compiled(LANES, ControllerKind.GEOMETRIC), interpreted[operation])
+
+
+def test_a_kernel_is_checked_by_a_process_of_its_own(monkeypatch):
+    assert self_check.check(LANES, ControllerKind.GEOMETRIC)
+    monkeypatch.setattr(self_check, "PROGRAM", "import sys; import numpy as np; np.savez(sys.stdout.buffer, np.zeros(3))")
+    assert not self_check.check(LANES, ControllerKind.GEOMETRIC)
+
+
+def test_an_interpreter_that_fails_says_why(monkeypatch):
+    monkeypatch.setattr(self_check, "PROGRAM", "raise MemoryError('none left')")
+    with pytest.raises(HotlapError, match="check of the compiled flight core failed: MemoryError: none left"):
+        self_check.check(LANES, ControllerKind.GEOMETRIC)
+    monkeypatch.setattr(self_check.sys, "executable", "/no/python")
+    with pytest.raises(HotlapError, match="Python cannot be started"):
+        self_check.check(LANES, ControllerKind.GEOMETRIC)
 
 
 @pytest.mark.parametrize("error", [NumbaError("no such overload"), NotImplementedError(), RuntimeError("LLVM")])
@@ -75,6 +110,7 @@ def test_lanes_that_cannot_be_compiled_do_not_agree(error, monkeypatch):
         raise error
 
     monkeypatch.setattr(self_check, "fly_batch", fail)
+    monkeypatch.setattr(self_check, "PROGRAM", "")
     assert not self_check.check(LANES, ControllerKind.MPC)
 
 

@@ -16,6 +16,8 @@ from hotlap.planning.problem import Problem
 from hotlap.race.quadrotor import RotorLayout
 from hotlap.race.race import Race, Ramp
 from hotlap.reference.reference import Reference
+from hotlap.system.disk_cache import source_files
+from reached import reached
 
 from . import small
 
@@ -126,7 +128,13 @@ def test_the_key_is_the_same_for_what_the_planner_never_sees():
 
 def test_the_key_changes_with_the_code_and_the_optimiser(monkeypatch):
     usual = plan_cache.key(Problem.of(RACE))
-    monkeypatch.setattr(plan_cache, "digest_sources", lambda *_: "other code")
+    monkeypatch.setattr(plan_cache, "digest_sources", lambda *_, **__: "other code")
     other = plan_cache.key(Problem.of(RACE))
     monkeypatch.setattr(plan_cache, "version", lambda _: "0.0")
     assert len({usual, other, plan_cache.key(Problem.of(RACE))}) == 3
+
+
+def test_every_module_that_makes_plans_takes_part_and_no_other():
+    made_by = {path for name, path in reached("hotlap.planning").items() if name.startswith("hotlap.planning")}
+    digested = source_files(*plan_cache.SOURCES, without=plan_cache.MAKE_NO_PLANS)
+    assert {path for path in digested if path.parent.name == "planning"} == made_by

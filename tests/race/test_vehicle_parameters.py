@@ -1,4 +1,4 @@
-"""Worlds drawn around a vehicle: each seed has its own, within the spread, and the vehicle itself is in the middle."""
+"""Vehicles drawn around a vehicle: each seed has its own, within the spread, and the vehicle itself is in the middle."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -94,6 +95,15 @@ def assert_same(segments: Segments, others: Segments, *, mirrored: bool = False)
 def test_pieces_cover_the_plan(rule, legs):
     reference = reference_of(fly(legs))
     check(segment(reference, rule), reference.duration)
+
+
+@every_rule
+def test_rows_at_another_period_are_cut_alike(rule):
+    usual = reference_of(fly([(5.0, 0.0, 0.0, 4.0), (3.0, 0.0, 2.0, 4.0), (5.0, 0.0, 0.0, 4.0), (1.0, 0.0, -4.0, 4.0)])[:-1])
+    rows = {name: getattr(usual, name)[::2] for name in ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts")}
+    cut, coarse = segment(usual, rule), segment(replace(usual, **rows, period=2 * PERIOD), rule)
+    assert coarse.classes == cut.classes
+    np.testing.assert_allclose(coarse.starts, cut.starts, atol=2 * PERIOD)
 
 
 @every_rule

@@ -10,7 +10,7 @@ import pytest
 
 from hotlap.analysis.comparison import Run
 from hotlap.report.article import Article, inline
-from hotlap.report.comparison_article import describe_comparison
+from hotlap.report.comparison import compose_article
 
 PNG = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c4890000000d49444154789c6360000002000001e221bc330000000049454e44ae426082"
@@ -77,6 +77,8 @@ def test_it_is_readable_in_the_dark_on_paper_and_on_a_small_screen(article):
         ("*a* and **b**", "<em>a</em> and <strong>b</strong>"),
         ("2 * 3 * 4", "2 * 3 * 4"),
         ("<script>", "&lt;script&gt;"),
+        ("metropolis_hastings:tied of 97 [94, 99]", "metropolis_hastings:tied of 97 [94, 99]"),
+        ("`a` <b>*c*</b> # 1. &amp;", "<code>a</code> &lt;b&gt;<em>c</em>&lt;/b&gt; # 1. &amp;amp;"),
     ],
 )
 def test_the_few_marks_of_a_paragraph(words, html):
@@ -93,5 +95,5 @@ def test_a_comparison_names_every_tuner_and_race_with_intervals():
     spent = {"budget": 200, "flights": 20, "search_flights": 20, "confirmed": True, "successes": 40, "validation": 50}
     worth = {"completion": 1.0, "cost": 5.0, "lap_time": math.nan, "tuner_time": 0.1, "curve": ((1, 0.2), (20, 1.0))}
     runs = [Run(race=race, tuner=tuner, seed=0, **spent, **worth) for race in ("one", "two") for tuner in ("a:x", "b:y")]
-    page = Words(describe_comparison(runs, [], "runs.jsonl", "hotlap compare one two").html)
+    page = Words(compose_article(runs, [], "runs.jsonl", "hotlap compare one two").html)
     assert all(words in page.words for words in ("one", "two", "a:x", "b:y", "100 [21, 100]", "hotlap compare one two"))

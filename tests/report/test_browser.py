@@ -18,6 +18,8 @@ HOTLAP = [sys.executable, "-m", "hotlap"]
 RACE = ("circle-34", "--first-guess", "default", "--seed", "0")
 OLDEST_NODE = 18
 
+pytestmark = pytest.mark.check
+
 
 def missing() -> str:
     """What a browser test needs and this machine lacks; "" for nothing."""

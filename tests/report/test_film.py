@@ -9,19 +9,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image
-from plausible_world import OPTIMUM, PlausibleWorld
-from studies import begin, carry, configure
 
 from fake_world import make_scenario
 from hotlap.core.errors import InputError
-from hotlap.race.quadrotor import RotorLayout
-from hotlap.report.demonstration import choose
+from hotlap.race.quadrotor import RotorLayout, torque_matrix
 from hotlap.report.film import recording
-from hotlap.report.film.camera import aim, rings
 from hotlap.report.film.drone import draw_drone, turn
 from hotlap.report.film.film import LONGEST, pace_of, write_film
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.recording import check_recorder, find_ffmpeg, record
+from hotlap.report.page.replay import choose
+from hotlap.report.projection import aim, rings
+from plausible_world import OPTIMUM, PlausibleWorld
+from studies import begin, carry, configure
 
 
 @pytest.fixture(scope="module")
@@ -84,11 +84,14 @@ def test_a_drone_turns_with_its_attitude():
     assert (level[:, 2] == 0).all()
 
 
-@pytest.mark.parametrize(("layout", "hub"), [(RotorLayout.X, [2**0.5, 2**0.5, 0]), (RotorLayout.PLUS, [2, 0, 0])])
-def test_rotors_are_drawn_where_the_layout_has_them(layout, hub):
-    first_arm, _, *rotors = draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, layout)
-    np.testing.assert_allclose(first_arm[0], hub)
-    np.testing.assert_allclose(rotors[0][:-1].mean(axis=0), hub, atol=1e-12)
+@pytest.mark.parametrize("layout", RotorLayout)
+def test_rotors_are_drawn_where_the_plant_has_them(layout):
+    """A rotor at (x, y) makes a roll torque of y and a pitch torque of -x for each newton of its thrust."""
+    first_arm, second_arm, *rotors = draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, layout)
+    roll, pitch, _ = torque_matrix(layout, 2.0, 0.1)
+    hubs = np.stack([-pitch, roll, np.zeros(4)], axis=1)
+    np.testing.assert_allclose([rotor[:-1].mean(axis=0) for rotor in rotors], hubs, atol=1e-12)
+    np.testing.assert_allclose([first_arm, second_arm], [hubs[[0, 2]], hubs[[1, 3]]], atol=1e-12)
 
 
 @pytest.mark.parametrize(("duration", "pace"), [(1.0, 1), (13.0, 1), (13.5, 1.25), (26.0, 2), (5000.0, 385)])
@@ -97,6 +100,7 @@ def test_a_film_is_never_longer_than_it_may_be(duration, pace):
     assert duration / pace_of(duration) <= LONGEST
 
 
+@pytest.mark.check
 def test_a_gif_has_a_frame_for_each_moment_and_lingers_on_the_last(tmp_path):
     snapshot = carry(tmp_path / "study", replace(configure(), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1))))
     path = write_film(tmp_path / "lap.gif", snapshot, PlausibleWorld())
@@ -112,6 +116,7 @@ def test_a_gif_has_a_frame_for_each_moment_and_lingers_on_the_last(tmp_path):
     assert [entry.name for entry in tmp_path.iterdir() if entry.is_file()] == ["lap.gif"]
 
 
+@pytest.mark.check
 def test_a_study_without_flights_has_a_film(tmp_path):
     snapshot = begin(tmp_path / "study", configure())
     with Image.open(write_film(tmp_path / "lap.gif", snapshot, PlausibleWorld(crash=True))) as picture:
@@ -125,6 +130,7 @@ def frames(count=12, width=64, height=32):
         yield frame
 
 
+@pytest.mark.check
 def test_an_mp4_is_played_by_ffmpeg(tmp_path):
     path = record(tmp_path / "lap.mp4", frames())
     played = subprocess.run([find_ffmpeg(), "-i", path, "-f", "null", "-"], capture_output=True, text=True, check=True)
@@ -132,6 +138,7 @@ def test_an_mp4_is_played_by_ffmpeg(tmp_path):
     assert "64x32" in played.stderr
 
 
+@pytest.mark.check
 def test_an_mp4_is_written_frame_by_frame(tmp_path):
     """Hundreds of frames in memory at once would be half a gigabyte."""
     alive, most = [], 0

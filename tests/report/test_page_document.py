@@ -8,8 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plausible_world import PlausibleWorld
-from studies import AnyVehicle, begin, carry, configure
 
 from fake_world import make_scenario
 from hotlap.core.ledger import Ledger
@@ -19,14 +17,24 @@ from hotlap.files.descriptions import load_race
 from hotlap.race.quadrotor import RotorLayout
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.report.effort import Effort
-from hotlap.report.page.document import MOST_SAMPLES, describe
-from hotlap.report.page.encoding import MOST_ROWS, number, pack, thin, write_json
-from hotlap.report.page.flown import describe_scenario, describe_trace
-from hotlap.report.page.replay import glance, show
+from hotlap.report.page.document import (
+    MOST_ROWS,
+    MOST_SAMPLES,
+    dump_scenario,
+    dump_study,
+    dump_trace,
+    number,
+    pack,
+    thin,
+    write_json,
+)
+from hotlap.report.page.replay import replay_finished, replay_running
+from plausible_world import PlausibleWorld
+from studies import AnyVehicle, begin, carry, configure
 
 KEYS = {
-    *("format", "kind", "live", "headline", "scenario", "traces", "repeats", "flights", "parameters", "samples", "sensitivity", "hold"),
-    "configuration",
+    *("format", "kind", "live", "headline", "scenario", "traces", "repeats", "flights", "parameters", "samples", "sensitivity"),
+    *("robustness", "configuration"),
 }
 
 
@@ -36,16 +44,17 @@ def unpack(packed):
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
-    asked = replace(configure(goal="mean_error<0.01", budget=60), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1)))
+    guess = np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1))
+    asked = replace(configure(goal="mean_error<0.01", budget=60), first_guess=guess, first_guess_name="my guesses/mine.toml")
     world = PlausibleWorld(noise=0.02)
-    return carry(tmp_path_factory.mktemp("study"), asked, world, "hotlap tune straight.toml --first-guess mine.toml")
+    return carry(tmp_path_factory.mktemp("study"), asked, world, "hotlap tune straight.toml --first-guess 'my guesses/mine.toml'")
 
 
 @pytest.fixture(scope="module")
 def whole(study):
     """The document of a finished study, gone through JSON."""
-    replay = show(study.configuration, AnyVehicle(), study.best)
-    return json.loads(write_json(describe(study, replay)))
+    replay = replay_finished(study.configuration, AnyVehicle(), study.best)
+    return json.loads(write_json(dump_study(study, replay)))
 
 
 def test_an_array_comes_back_as_it_was_to_single_precision():
@@ -86,7 +95,7 @@ def test_latency_that_the_controller_does_not_know_is_the_difference(tmp_path):
     for model, unknown in ((scenario.race.vehicle, 0.045), (late, 0.0)):
         race = scenario.race.model_copy(update={"vehicle": late, "model": model})
         snapshot = begin(tmp_path / str(unknown), configure(replace(scenario, race=race)))
-        assert describe(snapshot, None)["headline"]["latency_unknown"] == unknown
+        assert dump_study(snapshot, None)["headline"]["latency_unknown"] == unknown
 
 
 def test_every_flight_is_there_in_the_order_of_the_ledger(study, whole):
@@ -137,15 +146,20 @@ def test_the_race_can_be_read_again(whole, study, tmp_path):
 def test_the_command_is_the_one_that_was_given_and_names_the_first_guess(tmp_path, whole):
     assert whole["configuration"]["command"] == "hotlap tune straight.toml --first-guess mine.toml"
     assert whole["headline"]["first_guess"] == "mine.toml"
-    document = describe(begin(tmp_path, configure()), None)
+    document = dump_study(begin(tmp_path, configure()), None)
     assert document["configuration"]["command"].endswith("--first-guess default")
-    assert document["headline"]["first_guess"] == "default"
+    assert document["headline"]["first_guess"] == "given", "a program gave numbers"
+
+
+def test_a_study_without_its_command_gets_one_that_names_the_first_guess(tmp_path):
+    asked = replace(configure(), first_guess=np.tile([10.0, 1200.0, 5.0, 200.0, 2.0], (2, 1)), first_guess_name="my guesses/mine.toml")
+    assert dump_study(begin(tmp_path, asked), None)["configuration"]["command"].endswith("--first-guess 'my guesses/mine.toml'")
 
 
 def test_many_samples_are_thinned_and_the_page_is_told_of_how_many(study):
     search = study.ledger.of(Stream.SEARCH)
     times = 2 * MOST_SAMPLES // len(search) + 1
-    samples = describe(replace(study, ledger=Ledger.join([study.ledger] * times)), None)["samples"]
+    samples = dump_study(replace(study, ledger=Ledger.join([study.ledger] * times)), None)["samples"]
     assert samples["parameters"]["shape"] == [MOST_SAMPLES, 2, 5]
     assert len(samples["accepted"]) == len(samples["succeeded"]) == MOST_SAMPLES
     assert samples["of"] == times * len(search) > MOST_SAMPLES
@@ -153,11 +167,11 @@ def test_many_samples_are_thinned_and_the_page_is_told_of_how_many(study):
 
 def test_a_study_without_flights_has_a_document(tmp_path):
     snapshot = begin(tmp_path, configure())
-    for replay in (None, glance(snapshot.configuration, PlausibleWorld(), snapshot.best)):
-        document = json.loads(write_json(describe(snapshot, replay, live=True)))
+    for replay in (None, replay_running(snapshot.configuration, PlausibleWorld(), snapshot.best)):
+        document = json.loads(write_json(dump_study(snapshot, replay, live=True)))
         assert set(document) == KEYS
         assert (document["headline"]["state"], document["headline"]["completion"], document["live"]) == ("running", None, True)
-        assert (document["sensitivity"], document["hold"], document["samples"]["of"]) == (None, [], 0)
+        assert (document["sensitivity"], document["robustness"], document["samples"]["of"]) == (None, [], 0)
 
 
 @pytest.mark.parametrize(
@@ -166,28 +180,32 @@ def test_a_study_without_flights_has_a_document(tmp_path):
 )
 def test_a_study_of_failures_has_a_document(tmp_path, world, goal):
     snapshot = carry(tmp_path, configure(goal=goal), world)
-    document = json.loads(write_json(describe(snapshot, show(snapshot.configuration, world, snapshot.best))))
-    assert document["hold"] == []  # this world flies what it has
+    document = json.loads(write_json(dump_study(snapshot, replay_finished(snapshot.configuration, world, snapshot.best))))
+    assert document["robustness"] == []  # this world flies what it has
     assert document["sensitivity"]["by_segment"]["shape"] == [2, 5]
 
 
 @pytest.mark.parametrize(("rule", "name"), [(GateRule.CLOCK, "clock"), (GateRule.CLOSEST, "approach"), (GateRule.RELEASED, "approach")])
 def test_the_rule_is_one_of_two(tmp_path, rule, name):
     snapshot = begin(tmp_path, configure(make_scenario(JudgeSettings(rule=rule, fly_on=True))))
-    assert describe(snapshot, None)["scenario"]["rule"] == name
+    assert dump_study(snapshot, None)["scenario"]["rule"] == name
 
 
 def test_a_flight_that_never_turns_has_no_frequency(study):
-    replay = glance(study.configuration, PlausibleWorld(), study.best)
+    replay = replay_running(study.configuration, PlausibleWorld(), study.best)
     still, shaking = Effort(0.0, 0.0, 0.0, 0.0, 0.0), Effort(1.0, 2.0, 0.0, 8.0, 0.5)
-    effort = describe_trace(replay.scene.traces[0], (still, shaking))["effort"]
+    effort = dump_trace(replay.scene.traces[0], (still, shaking))["effort"]
     assert effort["oscillation"] == {"frequency": None, "share": 0.0}
     assert effort["reference"]["oscillation"] == {"frequency": 8.0, "share": 0.5}
 
 
 @pytest.mark.parametrize("layout", list(RotorLayout))
-def test_the_rotors_are_where_the_vehicle_has_them(layout):
+def test_the_rotors_are_where_the_plant_has_them(layout):
+    """A rotor at (x, y) makes a roll torque of y and a pitch torque of -x for each newton of its thrust."""
     scenario = make_scenario()
     vehicle = scenario.race.vehicle.model_copy(update={"layout": layout})
-    told = json.loads(write_json(describe_scenario(replace(scenario, race=scenario.race.model_copy(update={"vehicle": vehicle})))))
-    assert told["layout"] == str(layout)
+    document = dump_scenario(replace(scenario, race=scenario.race.model_copy(update={"vehicle": vehicle})))
+    x, y = np.array(json.loads(write_json(document))["rotors"]).T
+    np.testing.assert_allclose([y, -x], vehicle.torque_matrix[:2], atol=1e-15)
+    np.testing.assert_allclose(np.hypot(x, y), vehicle.arm)
+    assert (x[0], y[0]) == pytest.approx((vehicle.arm, 0) if layout is RotorLayout.PLUS else (vehicle.arm * 0.5**0.5,) * 2)  # in front

@@ -9,17 +9,17 @@ from html.parser import HTMLParser
 import pytest
 
 from fake_world import make_scenario
-from hotlap.core.errors import InputError
-from hotlap.report.page.replay import show
-from hotlap.report.page.still import describe_still, summary_of
-from hotlap.report.page.track_map import draw_track_map
-from hotlap.report.page.writing import DATA, REPORT, STILL, TITLE, fill, load_template, render, write_report
+from hotlap.core.errors import InputError, StudyError
+from hotlap.report.page import writing
+from hotlap.report.page.replay import replay_finished
+from hotlap.report.page.static import draw_track_map, render_static, summary_of
+from hotlap.report.page.writing import DATA, REPORT, STATIC, TITLE, LiveStudy, fill, load_template, render, write_report
 from hotlap.report.scene import stage
 from hotlap.study.study import Study
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
 
-TEMPLATE = f"<head>{TITLE}</head><body>{STILL}{DATA}</body>"
+TEMPLATE = f"<head>{TITLE}</head><body>{STATIC}{DATA}</body>"
 VOID = {"meta", "br", "link", "img", "input", "hr"}
 
 
@@ -57,7 +57,7 @@ def study(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def replay(study):
-    return show(study.configuration, AnyVehicle(), study.best)
+    return replay_finished(study.configuration, AnyVehicle(), study.best)
 
 
 def test_the_built_page_has_its_places(study, replay):
@@ -69,7 +69,7 @@ def test_the_built_page_has_its_places(study, replay):
     assert '<div id="static"><h1>' in html
 
 
-@pytest.mark.parametrize("place", [TITLE, STILL, DATA])
+@pytest.mark.parametrize("place", [TITLE, STATIC, DATA])
 def test_the_template_has_each_place_once(place):
     assert load_template().count(place) == 1
 
@@ -82,12 +82,12 @@ def test_a_name_that_looks_like_markup_stays_a_name():
 
 
 def test_without_javascript_the_answers_are_there(study, replay):
-    page = read(describe_still(study, replay))
+    page = read(render_static(study, replay))
     words = " ".join(page.words)
     assert summary_of(study) in words
     assert {"svg", "table", "h1", "figure"} <= set(page.seen)
     assert "script" not in page.seen
-    for part in ("will it hold", "as tuned", "of 100 flights", *study.configuration.scenario.space.names, study.command):
+    for part in ("robustness", "as tuned", "of 100 flights", *study.configuration.scenario.space.names, study.command):
         assert part.lower() in words.lower()
 
 
@@ -99,7 +99,7 @@ def test_a_goal_that_was_not_confirmed_is_said_as_plainly(tmp_path):
 def test_a_study_without_flights_has_a_page(tmp_path):
     snapshot = begin(tmp_path, configure())
     assert summary_of(snapshot) == "No flights yet."
-    read(describe_still(snapshot, None))
+    read(render_static(snapshot, None))
 
 
 def test_the_map_stays_within_its_box():
@@ -127,3 +127,51 @@ def test_a_report_that_cannot_be_written_is_one_clear_line(tmp_path):
 
 def test_a_page_is_small(study, replay):
     assert len(render(study, replay)) - len(load_template()) < 1_000_000
+
+
+@pytest.fixture
+def reads(monkeypatch):
+    """Every time that a study is read as a whole."""
+    done = []
+    read_snapshot = writing.read_snapshot
+
+    def count(study):
+        done.append(study)
+        return read_snapshot(study)
+
+    monkeypatch.setattr(writing, "read_snapshot", count)
+    return done
+
+
+class CountingWorld(PlausibleWorld):
+    """Counts how often it is asked to fly."""
+
+    calls = 0
+
+    def fly(self, *args, **kwargs):
+        self.calls += 1
+        return super().fly(*args, **kwargs)
+
+
+def test_a_poll_reads_the_study_only_when_flights_were_added(tmp_path, reads):
+    asked, world = configure(goal="none", budget=6, validation=0), CountingWorld()
+    carry(tmp_path, asked)
+    live = LiveStudy(tmp_path, world)
+    known = json.loads(live.news())["flights"]["number"]["shape"][0]
+    flown = world.calls
+    assert known == 6
+    assert [live.news(known) for _ in range(5)] == [None] * 5
+    assert (len(reads), world.calls) == (1, flown)
+    carry(tmp_path, configure(goal="none", budget=9, validation=0))
+    assert json.loads(live.news(known))["flights"]["number"]["shape"] == [9]
+    assert live.news(9) is None
+    assert len(reads) == 2
+
+
+def test_a_poll_of_a_study_that_is_gone_is_one_clear_line(tmp_path):
+    begin(tmp_path, configure())
+    live = LiveStudy(tmp_path, PlausibleWorld())
+    assert '"state":"running"' in live.page()
+    (tmp_path / "study.sqlite").unlink()
+    with pytest.raises(StudyError, match="cannot be opened"):
+        live.news(0)

@@ -11,22 +11,19 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from plausible_world import OPTIMUM, PlausibleWorld
-from studies import begin, carry, configure
 
 from fake_world import make_scenario
-from hotlap.analysis.sensitivity import survey_sensitivity
 from hotlap.core.errors import InputError
 from hotlap.core.records import End, Log
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments
-from hotlap.report import figures
-from hotlap.report.demonstration import choose, demonstrate
-from hotlap.report.history import collect, compare, recount
+from hotlap.report import figures, pictures
+from hotlap.report.history import compare, recount
 from hotlap.report.map import CLASS_CODES
-from hotlap.report.pictures import FORMATS, draw, draw_everything, draw_plan, save
+from hotlap.report.page.replay import choose, demonstrate
+from hotlap.report.pictures import FORMATS, draw, draw_everything, draw_plan, figures_of, save
 from hotlap.report.scene import stage
 from hotlap.report.style import CLASS_COLOURS, styled
 from hotlap.study.configuration import Configuration
@@ -35,6 +32,8 @@ from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.scoring import Metric
+from plausible_world import OPTIMUM, PlausibleWorld
+from studies import begin, carry, configure
 
 NAMES = ("track", "convergence", "error", "parameters")
 SIGNATURES = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
@@ -291,20 +290,35 @@ def test_an_error_above_the_chart_is_written():
     assert f"at {scene.traces[1].error[-1]:.1f} m" in texts(figures.tracking_error(scene))
 
 
-@pytest.mark.parametrize("kind", FORMATS)
-def test_everything_is_drawn_in_the_format_that_is_asked_for(tmp_path, kind):
-    configuration = configure(budget=12, goal="none")
-    carry(tmp_path, configuration)
-    with Study.read(tmp_path) as study:
-        files = draw_everything(tmp_path, study, PlausibleWorld(), kind, flights=4)
-    assert [path.name for path in files] == [f"{name}.{kind}" for name in (*NAMES, "inputs", "sensitivity", "samples")]
-    assert all(path.read_bytes().startswith(SIGNATURES[kind]) for path in files)
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    return carry(tmp_path_factory.mktemp("study"), configure(budget=12, goal="none"))
+
+
+@pytest.fixture(scope="module")
+def everything(study):
+    """Every figure of a study, drawn once."""
+    return figures_of(study, PlausibleWorld(), flights=4)
+
+
+def test_every_figure_of_a_study_is_saved_under_its_name(study, everything, tmp_path, monkeypatch):
+    monkeypatch.setattr(pictures, "figures_of", lambda *_: everything)
+    with Study.read(study.folder) as read:
+        files = draw_everything(tmp_path, read, PlausibleWorld(), "png")
+    assert [path.name for path in files] == [f"{name}.png" for name in (*NAMES, "inputs", "sensitivity", "samples")]
+    assert all(path.read_bytes().startswith(SIGNATURES["png"]) for path in files)
+
+
+@pytest.mark.parametrize("kind", sorted({*FORMATS} - {"png"}))
+def test_every_figure_has_every_format(everything, kind, tmp_path):
+    for name, figure in everything.items():
+        assert save(tmp_path / f"{name}.{kind}", figure).read_bytes().startswith(SIGNATURES[kind])
 
 
 def test_everything_of_a_study_without_flights_is_drawn(tmp_path):
-    begin(tmp_path, configure())
-    with Study.read(tmp_path) as study:
-        assert len(draw_everything(tmp_path, study, PlausibleWorld(crash=True), "png", flights=1)) == 7
+    drawn = figures_of(begin(tmp_path, configure()), PlausibleWorld(crash=True), flights=1)
+    assert len(drawn) == 7
+    assert all(texts(figure) for figure in drawn.values())
 
 
 def test_inputs_have_their_units_and_limits_and_say_how_long_they_are_at_one():
@@ -316,11 +330,7 @@ def test_inputs_have_their_units_and_limits_and_say_how_long_they_are_at_one():
     assert all(words in drawn for words in ("[m/s²]", "[rad/s]", "[N]", "rotor 3", "100 % of the time", "0 % of the time"))
 
 
-def test_samples_and_sensitivity_name_every_parameter(tmp_path):
-    snapshot = carry(tmp_path, configure(budget=12, goal="none"))
-    scenario, best = snapshot.configuration.scenario, snapshot.best
-    looked = collect(snapshot.ledger, parse_goal("none"))
-    found = survey_sensitivity(scenario, PlausibleWorld(), best, 0, flights=2)
-    change = compare(scenario.space, scenario.segments, best, best, 0.5)
-    for drawn in (texts(figures.samples(looked, scenario.space, best, "x")), texts(figures.sensitivity(found, change, "x"))):
-        assert all(name in drawn for name in scenario.space.names)
+def test_samples_and_sensitivity_name_every_parameter(study, everything):
+    for name in ("samples", "sensitivity"):
+        drawn = texts(everything[name])
+        assert all(parameter in drawn for parameter in study.configuration.scenario.space.names)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plausible_world import OPTIMUM, PlausibleWorld
 
 from fake_world import make_scenario
 from hotlap.core.ledger import Ledger, enter
@@ -15,6 +14,7 @@ from hotlap.report.history import compare, recount
 from hotlap.report.scene import repeat, stage, trace
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.scoring import score
+from plausible_world import OPTIMUM, PlausibleWorld
 
 
 def fly(scenario, world=None, spread=(1.0, 40.0), count=2):

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import threading
 
-from plausible_world import PlausibleWorld
-from studies import configure
-
 from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study
 from hotlap.tuning.loop import tune
 from hotlap.tuning.objective import Objective
+from plausible_world import PlausibleWorld
+from studies import configure
 
 
 def test_flights_that_come_in_meanwhile_are_of_the_next_reading(tmp_path, monkeypatch):

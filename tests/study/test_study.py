@@ -8,7 +8,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
 
@@ -20,8 +20,9 @@ from hotlap.core.errors import InputError, StudyError
 from hotlap.core.seeds import Stream
 from hotlap.race.race import JudgeSettings
 from hotlap.reference.segmentation import SegmentClass, Segments
-from hotlap.study.configuration import LATER, Configuration, compared, load_configuration, pack_reference, unpack_reference
-from hotlap.study.database import FILE
+from hotlap.study.configuration import Configuration, load_configuration, pack_reference, unpack_reference
+from hotlap.study.database import FILE, Database
+from hotlap.study.increments import grow
 from hotlap.study.study import Study, new_folder
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings, tune
@@ -48,12 +49,13 @@ def run(folder: Path, configuration: Configuration, world: FakeWorld | None = No
 
 
 def content(folder: Path) -> list:
-    """All that a run decides: flights, tuner's state and validation, as SQLite has them."""
+    """All that a run decides: flights and the state of the run, as SQLite has them."""
     connection = sqlite3.connect(folder / FILE)
     flights = connection.execute("SELECT * FROM flight ORDER BY stream, number").fetchall()
     entries = connection.execute("SELECT * FROM entry WHERE key != 'wall_time' ORDER BY key").fetchall()
+    changes = [json.loads(change) for (change,) in connection.execute("SELECT change FROM increment ORDER BY rowid")]
     connection.close()
-    return [flights, entries]
+    return [flights, entries, json.dumps(reduce(grow, changes, None))]
 
 
 def wound(folder: Path, statement: str) -> None:
@@ -233,12 +235,65 @@ def test_another_configuration_is_refused_naming_the_difference_and_nothing_is_c
     assert content(tmp_path) == before
 
 
-def test_a_study_from_before_a_key_came_is_the_same_study():
-    plain = configure("guided_walk").dump()
-    for key in LATER:
-        *tables, name = key.split(".")
-        del reduce(lambda table, part: table[part], tables, plain)[name]
-    assert compared(plain) == compared(configure("guided_walk").dump())
+@dataclass(frozen=True)
+class Rounds:
+    """Settings of a tuner of one's own, which happen to be called as a run's are."""
+
+    budget: int = 10
+    provenance: str = "a paper"
+
+
+class Own:
+    """A tuner of one's own, as far as a configuration needs one."""
+
+    def __init__(self, name: str, settings: Rounds) -> None:
+        self.name, self.settings = name, settings
+
+
+class Remembering(Own):
+    """Draws anywhere, and keeps all that it has been told in its state."""
+
+    def start(self, first_guess, space, rng) -> None:
+        self.guess, self.space, self.rng, self.points, self.costs = first_guess, space, rng, [], []
+
+    def ask(self, n):
+        asked = self.space.from_unit(self.rng.random((n, *self.guess.shape)))
+        return asked if self.points else np.concatenate([self.guess[None], asked[1:]])
+
+    def tell(self, parameters, scores):
+        self.points += parameters.tolist()
+        self.costs += scores.cost.tolist()
+        return np.zeros(len(parameters), dtype=bool)
+
+    def state(self):
+        return {"points": self.points, "costs": self.costs, "rng": self.rng.bit_generator.state}  # its own memory, not a copy of it
+
+    def restore(self, state):
+        self.points, self.costs, self.rng.bit_generator.state = state["points"], state["costs"], state["rng"]
+
+
+PRESETS = {"rounds": Rounds()}
+
+
+@pytest.mark.parametrize("changed", [Rounds(budget=20), Rounds(provenance="another paper")])
+def test_settings_of_a_tuner_count_whatever_they_are_called(tmp_path, monkeypatch, changed):
+    asked = configure(f"{__name__}.Own")
+    with Study.open(tmp_path, asked):
+        before = asked.fingerprint
+    monkeypatch.setitem(PRESETS, "rounds", changed)
+    assert asked.fingerprint != before
+    with pytest.raises(StudyError, match=r"tuner\.(budget|provenance): this study has "):
+        Study.open(tmp_path, asked)
+
+
+def test_a_first_guess_is_the_same_whatever_it_is_called(tmp_path):
+    asked = [replace(configure(), first_guess_name=name) for name in ("my guesses/one.toml", "default")]
+    assert asked[0].fingerprint == asked[1].fingerprint == configure().fingerprint
+    for one in asked:
+        with Study.open(tmp_path, one) as study:
+            assert study.configuration.first_guess_name == "my guesses/one.toml", "the name that it began with"
+    with Study.read(tmp_path) as study:
+        assert study.configuration.first_guess_name == "my guesses/one.toml"
 
 
 def far(flights, scores):  # noqa: ARG001
@@ -256,7 +311,7 @@ def test_a_study_remembers_a_cost_of_ones_own(tmp_path):
     with Study.read(tmp_path) as study:
         assert study.configuration.cost == own.own_cost
         assert study.configuration.fingerprint == asked.fingerprint != base.fingerprint
-    with pytest.raises(StudyError, match=r"cost: this study has .*far [0-9a-f]{8}.*, asked for is null; another study needs"):
+    with pytest.raises(StudyError, match=r"cost: this study has .*far [0-9a-f]{8}.*, asked for is \"\"; another study needs"):
         Study.open(tmp_path, base)
 
 
@@ -300,6 +355,27 @@ def test_a_larger_budget_goes_on_and_equals_one_run_of_that_budget(tmp_path):
         assert study.configuration.settings.budget == 45
 
 
+def test_what_is_written_grows_with_the_flights_and_not_with_their_square(tmp_path, monkeypatch):
+    """3000 search flights, resumed after each third: a third writes what another does."""
+    execute, insert, written = Database.execute, Database.insert, []
+
+    def count(values) -> tuple:
+        values = tuple(values)
+        written[-1] += sum(len(value) if isinstance(value, str | bytes) else 8 for value in values)
+        return values
+
+    monkeypatch.setattr(Database, "execute", lambda self, statement, values=(): execute(self, statement, count(values)))
+    monkeypatch.setattr(Database, "insert", lambda self, statement, rows: insert(self, statement, [count(row) for row in rows]))
+    for budget in (1000, 2000, 3000):
+        written.append(0)
+        run(tmp_path / "resumed", replace(long(budget=budget, batch=50, validation=0), tuner=f"{__name__}.Remembering"))
+    assert max(written) < 1.1 * min(written)
+    run(tmp_path / "whole", replace(long(budget=3000, batch=50, validation=0), tuner=f"{__name__}.Remembering"))
+    assert content(tmp_path / "resumed") == content(tmp_path / "whole")
+    with Study.read(tmp_path / "whole") as study:
+        assert len(study.tuning.tuner.state()["costs"]) == 3000
+
+
 def test_a_full_disk_is_one_line_and_loses_nothing_finished(tmp_path):
     configuration = long(budget=120)
     with Study.open(tmp_path / "full", configuration) as study:
@@ -338,7 +414,7 @@ run({str(tmp_path)!r}, long(budget=300))
     [
         (lambda folder: (folder / FILE).write_text("not a database, not at all " * 100), "is no database, so no study"),
         (lambda folder: wound(folder, "PRAGMA user_version = 99"), "was made by a newer hotlap .format 99"),
-        (lambda folder: wound(folder, "PRAGMA user_version = 1"), "was made by an older hotlap .format 1"),
+        (lambda folder: wound(folder, "PRAGMA user_version = 2"), "was made by an older hotlap .format 2; this one reads 3"),
         (lambda folder: wound(folder, "PRAGMA application_id = 7"), "is a database, but no study"),
         (lambda folder: wound(folder, "DELETE FROM entry"), "damaged"),
         (lambda folder: (folder / FILE).write_bytes((folder / FILE).read_bytes()[:9000] + b"\7" * 6000), "damaged"),

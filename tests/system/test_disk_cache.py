@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from hotlap.system.disk_cache import digest_sources, folder
+from hotlap.system import disk_cache
+from hotlap.system.disk_cache import digest_sources, folder, source_files
 
 
 @pytest.fixture(autouse=True)
@@ -57,6 +58,76 @@ def test_a_fingerprint_changes_with_any_file_of_a_folder(tmp_path):
         found.append(digest_sources(tmp_path))
     assert found[0] == found[2] != found[1]
     assert len(found[0]) == 16
+
+
+def digest_of(path: Path, text: str) -> str:
+    """The fingerprint of a file with a text."""
+    path.write_text(text)
+    digest_sources.cache_clear()
+    return digest_sources(path)
+
+
+CODE = '''"""A module."""
+
+LIMIT = 3.5
+
+
+class Wing:
+    """Lifts."""
+
+    area: float = 1.0
+    """m^2"""
+
+
+def lift(x):
+    """How much."""
+    return "how much" if x > LIMIT else x
+'''
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"""How much."""', '"""How little."""'),
+        ('"""A module."""', ""),
+        ('"""m^2"""', '"""square metres"""'),
+        ("LIMIT = 3.5", "LIMIT  =  3.5  # m"),
+    ],
+)
+def test_words_and_formatting_change_no_fingerprint(tmp_path, old, new):
+    assert old in CODE
+    assert digest_of(tmp_path / "a.py", CODE) == digest_of(tmp_path / "a.py", CODE.replace(old, new))
+
+
+@pytest.mark.parametrize(("old", "new"), [("3.5", "3.6"), ("x > LIMIT", "x >= LIMIT"), ('"how much"', '"how little"'), ("area", "span")])
+def test_code_changes_the_fingerprint(tmp_path, old, new):
+    assert digest_of(tmp_path / "a.py", CODE) != digest_of(tmp_path / "a.py", CODE.replace(old, new))
+
+
+def test_a_text_is_parsed_once(tmp_path, monkeypatch):
+    found = digest_of(tmp_path / "a.py", CODE)
+    monkeypatch.setattr(disk_cache, "_digest_code", lambda texts: 1 / 0)
+    assert digest_of(tmp_path / "a.py", CODE) == found
+
+
+def test_a_damaged_note_is_made_anew(tmp_path):
+    found = digest_of(tmp_path / "a.py", CODE)
+    for note in folder("digests").iterdir():
+        note.write_bytes(b"\xff")
+    assert digest_of(tmp_path / "a.py", CODE) == found
+
+
+def test_a_folder_that_cannot_be_made_is_no_error(tmp_path, monkeypatch):
+    found = digest_of(tmp_path / "a.py", CODE)
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("HOTLAP_CACHE", str(tmp_path / "file"))
+    assert digest_of(tmp_path / "a.py", CODE) == found
+
+
+def test_modules_can_be_left_out():
+    files = source_files("hotlap.planning", without=("hotlap.planning.cache",))
+    assert files == [path for path in source_files("hotlap.planning") if path.name != "cache.py"]
+    assert digest_sources("hotlap.planning", without=("hotlap.planning.cache",)) != digest_sources("hotlap.planning")
 
 
 def test_a_fingerprint_takes_no_other_files(tmp_path):

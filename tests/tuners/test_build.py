@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 
 import numpy as np
@@ -10,8 +11,10 @@ import pytest
 from fake_world import FakeWorld, make_scenario
 from hotlap import tuners
 from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.core.renamed import RenamedWarning
 from hotlap.study.configuration import Configuration
 from hotlap.study.study import Study
+from hotlap.tuners.renamed import current_name
 from hotlap.tuning.loop import TuningSettings
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.scoring import Metric
@@ -79,3 +82,61 @@ def test_a_module_that_is_broken_is_one_line_that_says_how(tmp_path, monkeypatch
     finally:
         sys.modules.pop("broken_tuner_of_a_test", None)
     assert "\n" not in str(caught.value)
+
+
+def test_a_file_in_the_folder_is_a_tuner_without_a_list_to_edit(tmp_path, monkeypatch):
+    (tmp_path / "one_of_a_test.py").write_text(MODULE.replace("class Mine", "class OneOfATest"))
+    (tmp_path / "support_of_a_test.py").write_text("LEAST = 3\n")
+    monkeypatch.setattr(tuners, "__path__", [*tuners.__path__, str(tmp_path)])
+    try:
+        assert tuners.build("one_of_a_test").name == "one_of_a_test:paper"
+        assert tuners.build("one_of_a_test:uniform").settings == tuners.build("random_search:uniform").settings
+        added = [name for name in tuners.names() if name.endswith(("random_search:paper", "_of_a_test:paper"))]
+        assert added == ["one_of_a_test:paper", "random_search:paper"], "in alphabetical order"
+        with pytest.raises(UnknownNameError, match=r"available: .*one_of_a_test"):
+            tuners.build("support_of_a_test")
+    finally:
+        for name in ("one_of_a_test", "support_of_a_test"):
+            sys.modules.pop(f"hotlap.tuners.{name}", None)
+            vars(tuners).pop(name, None)
+
+
+@pytest.mark.parametrize("name", ["walk", "tuner", "renamed", "unit_box", "surrogates", "__init__"])
+def test_a_module_that_is_no_algorithm_is_no_tuner(name):
+    with pytest.raises(UnknownNameError, match=f"no tuner named '{name}'"):
+        tuners.build(name)
+
+
+def test_only_the_algorithm_that_is_asked_for_is_imported():
+    program = (
+        "import sys; from hotlap import tuners; tuners.build('random_search')\n"
+        "print(*(name.removeprefix('hotlap.tuners.') for name in sys.modules if name.startswith('hotlap.tuners.')))"
+    )
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert set(ran.stdout.split()) == {"renamed", "tuner", "random_search"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("gatewise", "gate_gp:default"),
+        ("gatewise:default", "gate_gp:default"),
+        ("gatewise:homely", "gate_gp:no_exploration"),
+        ("gate_gp:hasty", "gate_gp:one_generation"),
+        ("gatewise:steady", "gate_gp:no_restarts"),
+        ("guided_walk:homely", "guided_walk:no_exploration"),
+        ("guided_walk:steady", "guided_walk:no_restarts"),
+    ],
+)
+def test_a_name_of_before_goes_on_working_and_says_the_new_one(old, new):
+    with pytest.warns(RenamedWarning) as caught:
+        tuner = tuners.build(old)
+    assert tuner.name == new
+    assert tuner.settings == tuners.build(new).settings
+    assert [str(warning.message) for warning in caught] == [f"{old} is now called {current_name(old)}"]
+    assert caught[0].filename == __file__, "it names the line that asks"
+
+
+@pytest.mark.parametrize("name", [*tuners.names(), "gate_gp", "cma_es:homely", "my_module.Mine:steady"])
+def test_names_of_today_stay(name):
+    assert current_name(name) == name

@@ -10,8 +10,8 @@ import pytest
 
 from hotlap import tuners
 from hotlap.core.records import Scores
-from hotlap.tuners.gate_gp import SPARE, GateGp, Settings
-from hotlap.tuners.gate_process import FARTHEST, NEAREST
+from hotlap.tuners.gate_gp import SPARE, GateGp, GateGpSettings
+from hotlap.tuners.surrogates.gate_process import FARTHEST, NEAREST
 from hotlap.tuners.walk import MEMORY, fitted
 
 from .laws import make_scores, make_space
@@ -92,8 +92,9 @@ def play(tuner: tuners.Tuner, flights: int, noise: np.random.Generator) -> np.nd
 
 @pytest.mark.parametrize("before", [3, 30, 205])
 def test_saved_and_restored_it_goes_on_with_its_gates(before):
-    kept = begin("gate_gp:one_generation")
-    play(kept, before, np.random.default_rng(0))
+    kept, flown = begin("gate_gp:one_generation"), SPACE.from_unit(np.random.default_rng(3).random((before, SEGMENTS, 3)))
+    kept.tell(flown, fly(flown, np.random.default_rng(4), unreached=True))
+    play(kept, 3, np.random.default_rng(0))
     saved = json.dumps(kept.state(), allow_nan=False)
     assert before < 30 or "null" in saved, "some gates were not reached"
     resumed = begin("gate_gp:one_generation", seed=9)
@@ -121,7 +122,7 @@ def test_the_best_and_the_latest_flights_are_fitted_and_no_more_than_memory_hold
 
 
 def test_each_point_keeps_its_own_misses_when_some_are_left_out():
-    tuner = GateGp("gate_gp", Settings())
+    tuner = GateGp("gate_gp", GateGpSettings())
     tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(0))
     points = SPACE.from_unit(np.random.default_rng(1).random((300, SEGMENTS, 3)))
     scores = fly(points, np.random.default_rng(2))
@@ -134,7 +135,7 @@ def test_each_point_keeps_its_own_misses_when_some_are_left_out():
 
 
 def test_a_candidate_is_worth_less_the_nearer_it_comes_to_a_miss_and_what_is_not_known_is_hoped_for():
-    tuner = GateGp("gate_gp", Settings())
+    tuner = GateGp("gate_gp", GateGpSettings())
     tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(0))
     tuner.tell(SPACE.first_guess(SEGMENTS)[None], fly(SPACE.first_guess(SEGMENTS)[None], np.random.default_rng(0)))
     means, noises = np.array([[-1.0], [-SPARE], [0.0], [0.5]]), np.array([0.2])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hotlap import tuners
-from hotlap.tuners.gradient import PRESETS, Settings
+from hotlap.tuners.gradient import PRESETS, GradientSettings
 
 from .laws import make_scores, make_space
 from .test_contract import SEGMENTS, SPACE, play, start
@@ -111,7 +111,7 @@ def test_a_box_narrower_than_a_pair_is_searched_within():
 
 
 def test_gains_fall_as_spall_says():
-    settings = Settings(step=0.4, shake=0.2, stability=10)
+    settings = GradientSettings(step=0.4, shake=0.2, stability=10)
     assert settings.gain(0) == pytest.approx(0.4)
     assert settings.gain(99) / settings.gain(9) == pytest.approx((20 / 110) ** 0.602)
     assert settings.width(0) == 0.2

@@ -10,13 +10,13 @@ import pytest
 from sklearn.ensemble import GradientBoostingRegressor
 
 from hotlap import tuners
-from hotlap.tuners.gradient_boosting import INITIAL, POOL, REFIT, GradientBoosting, Settings
+from hotlap.tuners.gradient_boosting import INITIAL, POOL, REFIT, GradientBoosting, GradientBoostingSettings
 
 from . import laws
 from .test_contract import SEGMENTS, SPACE, judge, play, start
 
 
-def begun(settings: Settings, flights: int = INITIAL) -> GradientBoosting:
+def begun(settings: GradientBoostingSettings, flights: int = INITIAL) -> GradientBoosting:
     """A search after some flights."""
     tuner = GradientBoosting("under test", settings)
     tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(2))
@@ -25,7 +25,7 @@ def begun(settings: Settings, flights: int = INITIAL) -> GradientBoosting:
 
 
 def test_trees_have_the_default_settings_and_know_every_flight_of_the_last_fit():
-    tuner = begun(Settings(), 3 * REFIT + 2)
+    tuner = begun(GradientBoostingSettings(), 3 * REFIT + 2)
     default = GradientBoostingRegressor(random_state=tuner._seed)
     assert tuner._fit().get_params() == default.get_params()
     flown = tuner._flown[: 3 * REFIT].reshape(3 * REFIT, -1)
@@ -34,7 +34,7 @@ def test_trees_have_the_default_settings_and_know_every_flight_of_the_last_fit()
 
 
 def test_the_lowest_prediction_is_flown():
-    tuner = begun(Settings(exploration=0.0))
+    tuner = begun(GradientBoostingSettings(exploration=0.0))
     twin = copy.deepcopy(tuner)
     asked, candidates = tuner.ask(1), twin._candidates()
     predictions = tuner._fit().predict(candidates.reshape(POOL, -1))
@@ -43,7 +43,7 @@ def test_the_lowest_prediction_is_flown():
 
 
 def test_the_stated_share_of_flights_explores():
-    tuner = begun(Settings(exploration=0.3))
+    tuner = begun(GradientBoostingSettings(exploration=0.3))
     trees = tuner._fit()
     low = np.quantile(trees.predict(tuner._candidates().reshape(POOL, -1)), 0.01)
     chosen = np.array([tuner._choose() for _ in range(300)])
@@ -52,7 +52,7 @@ def test_the_stated_share_of_flights_explores():
 
 @pytest.mark.parametrize("log", [False, True])
 def test_candidates_lie_around_the_best_point_or_anywhere_within_the_bounds(log):
-    tuner = begun(Settings(log=log))
+    tuner = begun(GradientBoostingSettings(log=log))
 
     def scale(values):
         return SPACE.to_unit(values) if log else (values - SPACE.low) / (SPACE.high - SPACE.low)
@@ -66,7 +66,7 @@ def test_candidates_lie_around_the_best_point_or_anywhere_within_the_bounds(log)
 
 
 def test_one_fit_serves_until_the_next():
-    tuner = begun(Settings(), INITIAL + 3)
+    tuner = begun(GradientBoostingSettings(), INITIAL + 3)
     asked = tuner.ask(64)
     assert len(asked) == REFIT - 3
     before = tuner._trees
@@ -76,9 +76,9 @@ def test_one_fit_serves_until_the_next():
 
 
 def test_restored_with_points_that_are_not_told_yet_it_goes_on_as_it_would():
-    kept = begun(Settings(), INITIAL + 4)
+    kept = begun(GradientBoostingSettings(), INITIAL + 4)
     pending = kept.ask(3)
-    resumed = begun(Settings(), 0)
+    resumed = begun(GradientBoostingSettings(), 0)
     resumed.restore(json.loads(json.dumps(kept.state(), allow_nan=False)))
     np.testing.assert_array_equal(resumed.ask(3), pending)
     kept.tell(pending, judge(pending))
@@ -87,7 +87,7 @@ def test_restored_with_points_that_are_not_told_yet_it_goes_on_as_it_would():
 
 
 def test_a_flight_without_a_cost_does_not_drown_the_others():
-    tuner = GradientBoosting("under test", Settings())
+    tuner = GradientBoosting("under test", GradientBoostingSettings())
     tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(2))
     play(tuner, INITIAL, n=1, scores=lambda p: laws.make_scores(np.where(p[:, 0, 0] > 300, np.inf, p[:, 0, 0])))
     predictions = tuner._fit().predict(tuner._flown.reshape(INITIAL, -1))

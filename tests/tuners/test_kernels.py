@@ -5,9 +5,18 @@ import pytest
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process import kernels as theirs
 
-from hotlap.tuners import kernels
 from hotlap.tuners.bayesian import PRESETS
-from hotlap.tuners.kernels import KERNELS, Matern, Periodic, RationalQuadratic, SquaredExponential, condition, covariance_of, likeliest
+from hotlap.tuners.surrogates import kernels
+from hotlap.tuners.surrogates.kernels import (
+    KERNELS,
+    Matern,
+    Periodic,
+    RationalQuadratic,
+    SquaredExponential,
+    condition,
+    covariance_of,
+    likeliest,
+)
 
 EVERY = pytest.mark.parametrize("name", KERNELS)
 SIZES = pytest.mark.parametrize("size", [1, 5, 35])

@@ -8,16 +8,16 @@ import pytest
 from hotlap.core.parameters import ParameterSpace
 from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.tuners import Tuner, build
-from hotlap.tuners.gaussian_process import Prior, condition
-from hotlap.tuners.safe_bayesian import PRESETS, PRIOR, SafeBayesian, Settings, choose, expanders
+from hotlap.tuners.safe_bayesian import PRESETS, PRIOR, SafeBayesian, SafeBayesianSettings, choose, expanders
 from hotlap.tuners.subspace import SPACING, Direction, axes_of
+from hotlap.tuners.surrogates.gaussian_process import Prior, covariance
 
 from .laws import make_scores
 from .test_contract import SEGMENTS, SPACE, play, start
 
 EVERY = pytest.mark.parametrize("name", [f"safe_bayesian:{preset}" for preset in PRESETS])
 FIRST = -10.0  # performance of the first guess: far from 0, which none exceeds
-BASELINE = Settings().baseline
+BASELINE = SafeBayesianSettings().baseline
 SPACE_LOW, SPACE_HIGH = (np.log(bound / SPACE.default) / SPACE.log_step for bound in (SPACE.low, SPACE.high))
 
 
@@ -47,7 +47,7 @@ def path(rng: np.random.Generator, level: float):
     exact = Prior(PRIOR.length, PRIOR.signal, 1e-3)
 
     def performance(point: np.ndarray) -> float:
-        mean, deviation = condition(np.array(points), np.array(values), level, exact).predict(point[None])
+        mean, deviation = exact.condition(np.array(points), np.array(values), level).predict(point[None])
         points.append(point)
         values.append(float(rng.normal(mean[0], deviation[0])))
         return values[-1]
@@ -61,22 +61,24 @@ def slope(point: np.ndarray) -> float:
 
 def bounds_without_noise(points, values, noises, candidates, level, prior, beta) -> np.ndarray:
     """Lower bounds by the textbook's formula, each value with a noise of its own."""
-    inverse = np.linalg.inv(prior.covariance(points, points) + np.diag(noises**2))
-    across = prior.covariance(candidates, points)
+    inverse = np.linalg.inv(prior.signal**2 * covariance(points / prior.length, points / prior.length) + np.diag(noises**2))
+    across = prior.signal**2 * covariance(candidates / prior.length, points / prior.length)
     variance = prior.signal**2 - np.einsum("ij,jk,ik->i", across, inverse, across)
     return level + across @ inverse @ (values - level) - beta * np.sqrt(np.maximum(variance, 0))
 
 
+FLOWN = np.random.default_rng(1).normal(size=(12, 3))
+PERFORMANCES = -5 + np.random.default_rng(7).normal(size=12)
+
+
 @pytest.fixture
 def posterior():
-    rng = np.random.default_rng(1)
-    points = rng.normal(size=(12, 3))
-    return condition(points, -5 + rng.normal(size=12), -6.0, PRIOR)
+    return PRIOR.condition(FLOWN, PERFORMANCES, -6.0)
 
 
 def test_one_value_moves_a_stated_process_by_its_share_of_the_variance():
     prior, at = Prior(2.0, 3.0, 1.5), np.zeros((1, 2))
-    mean, deviation = condition(at, np.array([4.0]), 1.0, prior).predict(at)
+    mean, deviation = prior.condition(at, np.array([4.0]), 1.0).predict(at)
     assert mean == pytest.approx(1 + 9 / (9 + 2.25) * 3)
     assert deviation**2 == pytest.approx(9 * 2.25 / (9 + 2.25))
 
@@ -91,11 +93,10 @@ def test_expanders_are_those_whose_best_case_makes_another_point_safe(posterior,
     at, beta = np.random.default_rng(3).normal(size=(60, 3)), 2.0
     mean, deviation = posterior.predict(at)
     unsafe = at[mean - beta * deviation < floor]
-    values = posterior.mean + np.linalg.solve(posterior.whitening, posterior.residuals)
     expected = []
     for point, upper in zip(at, mean + beta * deviation, strict=True):
-        noises = np.append(np.full(len(values), PRIOR.noise), 1e-6)
-        known = np.vstack([posterior.points, point]), np.append(values, upper)
+        noises = np.append(np.full(len(FLOWN), PRIOR.noise), 1e-6)
+        known = np.vstack([FLOWN, point]), np.append(PERFORMANCES, upper)
         expected.append((bounds_without_noise(*known, noises, unsafe, posterior.mean, PRIOR, beta) >= floor).any())
     assert expanders(posterior, at, unsafe, floor, beta).tolist() == expected
     assert sum(expected) > 0
@@ -105,7 +106,7 @@ def test_expanders_are_those_whose_best_case_makes_another_point_safe(posterior,
 @pytest.mark.parametrize("floor", [-6.5, -6.0, -5.0, 0.0])
 def test_what_is_chosen_is_safe_or_the_first_point(posterior, optimistic, floor):
     at = np.random.default_rng(4).normal(size=(200, 3))
-    chosen = choose(posterior, at, floor, Settings(optimistic=optimistic))
+    chosen = choose(posterior, at, floor, SafeBayesianSettings(optimistic=optimistic))
     mean, deviation = posterior.predict(at)
     assert chosen == 0 or mean[chosen] - 2 * deviation[chosen] >= floor
     assert chosen == 0 or floor < 0.0
@@ -113,7 +114,7 @@ def test_what_is_chosen_is_safe_or_the_first_point(posterior, optimistic, floor)
 
 def test_safeopt_asks_for_what_it_knows_less_of_than_the_optimist_does(posterior):
     at = np.random.default_rng(4).normal(size=(200, 3))
-    careful, eager = (choose(posterior, at, -6.5, Settings(optimistic=optimistic)) for optimistic in (False, True))
+    careful, eager = (choose(posterior, at, -6.5, SafeBayesianSettings(optimistic=optimistic)) for optimistic in (False, True))
     mean, deviation = posterior.predict(at)
     assert deviation[careful] >= deviation[eager]
     assert mean[eager] + 2 * deviation[eager] >= mean[careful] + 2 * deviation[careful]
@@ -136,7 +137,7 @@ def test_a_tuner_that_knows_no_floor_falls_below_it_often():
     below = 0
     for seed in range(5):
         rng = np.random.default_rng([seed, 1])
-        floor = FIRST - np.log(Settings().tolerance)
+        floor = FIRST - np.log(SafeBayesianSettings().tolerance)
         below += int((fly(start("cma_es:tied", seed), path(rng, floor), 60, rng)[1] < floor).sum())
     assert below / 300 > 0.06
 
@@ -151,7 +152,7 @@ def test_the_first_guess_is_flown_until_its_floor_is_known(name):
 
 def first_step(noise: float = 0.1, **changes) -> float:
     """Distance of the first point that is not the first guess."""
-    tuner, rng = SafeBayesian("under test", Settings(optimistic=True, **changes)), np.random.default_rng(5)
+    tuner, rng = SafeBayesian("under test", SafeBayesianSettings(optimistic=True, **changes)), np.random.default_rng(5)
     tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(6))
     points = fly(tuner, slope, 60, rng, noise)[0]
     return float(np.linalg.norm(points[points.any(axis=1)][0]))
@@ -192,7 +193,7 @@ def test_the_plane_turns_all_weights_by_one_factor_and_the_horizon_by_another():
 
 
 def test_a_line_is_followed_before_another_is_laid():
-    tuner, line = start("safe_bayesian:lines"), Settings().line
+    tuner, line = start("safe_bayesian:lines"), SafeBayesianSettings().line
     points = fly(tuner, lambda _: FIRST, BASELINE + 4 * line, np.random.default_rng(0), noise=0.1)[0][BASELINE:]
     inside = ((points > SPACE_LOW) & (points < SPACE_HIGH) & points.any(axis=1, keepdims=True)).all(axis=1)
     assert inside.sum() > 2 * line

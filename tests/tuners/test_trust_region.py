@@ -10,8 +10,8 @@ import pytest
 
 from hotlap import tuners
 from hotlap.tuners import trust_region
-from hotlap.tuners.anisotropic_process import Kernel
-from hotlap.tuners.trust_region import LEAST_INITIAL, PRESETS, Settings, TrustRegion, shifted_sobol
+from hotlap.tuners.surrogates.gaussian_process import Kernel
+from hotlap.tuners.trust_region import LEAST_INITIAL, PRESETS, TrustRegion, TrustRegionSettings, shifted_sobol
 from hotlap.tuners.unit_box import latin_hypercube
 
 from . import laws
@@ -20,7 +20,7 @@ from .test_contract import SEGMENTS, SPACE, judge, play, start
 SIZE = SPACE.size * SEGMENTS
 
 
-def begun(settings: Settings = PRESETS["default"], segments: int = SEGMENTS) -> TrustRegion:
+def begun(settings: TrustRegionSettings = PRESETS["default"], segments: int = SEGMENTS) -> TrustRegion:
     """A search that has flown its first points, all alike."""
     tuner = TrustRegion("under test", settings)
     tuner.start(SPACE.first_guess(segments), SPACE, np.random.default_rng(1))
@@ -58,7 +58,7 @@ def test_a_success_is_better_by_a_thousandth(cost, side):
 
 
 def test_a_batch_that_fails_counts_as_many_times_as_it_has_flights():
-    tuner = begun(Settings(batch=5))
+    tuner = begun(TrustRegionSettings(batch=5))
     for side in (0.8, 0.8, 0.4):
         asked = tuner.ask(64)
         assert len(asked) == 5
@@ -77,7 +77,7 @@ def test_a_box_that_is_too_small_is_given_up_and_nothing_of_it_kept():
 
 def test_the_first_points_fill_the_space_after_the_first_guess():
     for size, segments in ((LEAST_INITIAL, 1), (SIZE, SEGMENTS), (35, 7)):
-        tuner = TrustRegion("under test", Settings())
+        tuner = TrustRegion("under test", TrustRegionSettings())
         tuner.start(SPACE.first_guess(segments), SPACE, np.random.default_rng(1))
         assert len(tuner._waiting) == 1 + size
 
@@ -166,7 +166,7 @@ def test_raw_fills_the_bounds_and_the_default_their_logarithms():
 
 
 def test_restored_with_points_that_are_not_told_yet_it_goes_on_as_it_would():
-    kept, resumed = (TrustRegion("under test", Settings(batch=4)) for _ in range(2))
+    kept, resumed = (TrustRegion("under test", TrustRegionSettings(batch=4)) for _ in range(2))
     for tuner, seed in ((kept, 1), (resumed, 9)):
         tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(seed))
     play(kept, 30, n=6)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -15,25 +15,27 @@ from hotlap import tuners
 from hotlap.core.errors import InputError
 from hotlap.core.ledger import Ledger
 from hotlap.core.records import Scores
-from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.seeds import FLIGHTS_A_STREAM, Stream, flight_seeds
 from hotlap.core.success_rate import Validation
+from hotlap.study.increments import increment
 from hotlap.tuners import Tuner
 from hotlap.tuning.goal import Goal, Quantity, parse_goal
 from hotlap.tuning.loop import Batch, Tuning, TuningSettings, scenario_for, tune, tune_together
 from hotlap.tuning.objective import Objective
 
 SCENARIO = make_scenario()
-EVERY = pytest.mark.parametrize("name", tuners.names())
+ALGORITHMS = tuple(dict.fromkeys(tuners.build(name.partition(":")[0]).name for name in tuners.names()))  # each with its first preset
+EVERY = pytest.mark.parametrize("name", ALGORITHMS)
 
 
 class Listener:
-    """A tuner that hands out a list and writes down what it is told."""
+    """A tuner that hands out a list and writes down the scores that are reported to it."""
 
     name = "listener"
     settings = None
 
     def __init__(self, asked: np.ndarray) -> None:
-        self.asked, self.told = list(asked), []
+        self.asked, self.reported = list(asked), []
 
     def start(self, first_guess, space, rng) -> None:
         pass
@@ -42,7 +44,7 @@ class Listener:
         return np.array([self.asked.pop(0) for _ in range(min(n, len(self.asked)))])
 
     def tell(self, parameters: np.ndarray, scores: Scores) -> np.ndarray:
-        self.told.append(scores)
+        self.reported.append(scores)
         return np.arange(len(parameters)) == 0
 
     def state(self) -> dict[str, Any]:
@@ -53,14 +55,20 @@ class Listener:
 
 
 class ScriptedObjective(Objective):
-    """Flights whose completions are read off a list, in the order flown; the cost of a flight is 100 (1 - completion)."""
+    """Flights whose completions are read off a list, in the order flown; the cost of a flight is 100 (1 - completion).
+
+    Of re-flights that are flown together, those after the first failure are not on the list: they are discarded.
+    """
 
     def __init__(self, *completions: float) -> None:
         super().__init__(SCENARIO, FakeWorld())
         self.completions = list(completions)
 
     def fly(self, parameters, seeds) -> Scores:  # noqa: ARG002  it returns what it was told to
-        completion = np.array([self.completions.pop(0) for _ in seeds])
+        completion, again = np.zeros(len(seeds)), seeds // FLIGHTS_A_STREAM % len(Stream) == Stream.CONFIRMATION
+        for k in range(len(seeds)):
+            if not (again[k] and k and again[k - 1] and completion[k - 1] < 1):
+                completion[k] = self.completions.pop(0)
         failed = np.where(completion == 1, -1, np.round(completion * 10).astype(int))
         lap_time, dense = np.where(completion == 1, 5.0, np.nan), 10 * (1 - completion)
         flown = Scores.of_costs(100 * (1 - completion))
@@ -104,17 +112,17 @@ def test_the_first_failure_ends_a_confirmation_and_search_goes_on():
     assert (tuning.flights, tuning.search_flights) == (9, 3)
 
 
-def test_the_tuner_is_told_the_mean_cost_of_a_failed_candidate_and_the_flight_that_failed():
+def test_the_reported_score_is_the_mean_cost_of_a_failed_candidate_and_the_flight_that_failed():
     tuner = Listener(points(2))
     run(tuner, ScriptedObjective(1.0, 1.0, 0.4, 0.2), batch=1, budget=4)
-    assert tuner.told[0].cost.tolist() == [pytest.approx((0 + 0 + 60) / 3)]
-    assert tuner.told[0].dense.tolist() == [pytest.approx((0 + 0 + 6) / 3)]
-    np.testing.assert_allclose(tuner.told[0].gate_miss, [[-(1 + 1 + 0.4) / 3, 1.0, np.nan]])
-    assert tuner.told[0].completion.tolist() == [0.4]
-    assert tuner.told[0].failed_segment.tolist() == [4]
+    assert tuner.reported[0].cost.tolist() == [pytest.approx((0 + 0 + 60) / 3)]
+    assert tuner.reported[0].dense.tolist() == [pytest.approx((0 + 0 + 6) / 3)]
+    np.testing.assert_allclose(tuner.reported[0].gate_miss, [[-(1 + 1 + 0.4) / 3, 1.0, np.nan]])
+    assert tuner.reported[0].completion.tolist() == [0.4]
+    assert tuner.reported[0].failed_segment.tolist() == [4]
 
 
-def test_a_candidate_of_several_worlds_must_succeed_in_all_of_them():
+def test_a_candidate_of_several_samples_must_succeed_in_all_of_them():
     tuner = Listener(points(3))
     flown = [1.0, 1.0, 0.4, 1.0, 1.0, 1.0, 1.0, 1.0]
     tuning, batches = run(tuner, ScriptedObjective(*flown), batch=2, samples=3, confirm=2, budget=100)
@@ -125,23 +133,23 @@ def test_a_candidate_of_several_worlds_must_succeed_in_all_of_them():
     assert len(set(ledger.seeds.tolist())) == 8
     np.testing.assert_array_equal(best.parameters, points(2)[1])
     assert (best.confirmed, best.flights) == (True, 5)
-    assert tuner.told[0].cost.tolist() == pytest.approx([20, 0])
-    assert tuner.told[0].failed_segment.tolist() == [4, -1]
+    assert tuner.reported[0].cost.tolist() == pytest.approx([20, 0])
+    assert tuner.reported[0].failed_segment.tolist() == [4, -1]
 
 
-def test_a_candidate_that_the_budget_cannot_fly_in_all_worlds_is_not_flown():
+def test_a_candidate_that_the_budget_cannot_fly_in_all_samples_is_not_flown():
     tuning, _ = run(Listener(points(5)), ScriptedObjective(*[0.2] * 9), batch=1, samples=3, budget=11)
     assert (tuning.flights, tuning.done) == (9, True)
 
 
-def test_candidates_of_one_batch_are_confirmed_in_order_until_one_holds():
+def test_candidates_of_one_batch_are_confirmed_in_order_until_one_passes():
     tuner = Listener(points(4))
     objective = ScriptedObjective(0.2, 1.0, 1.0, 1.0, *(0.4,), *(1.0,) * 4)
     tuning, (batch,) = run(tuner, objective, batch=4)
     assert objective.completions == []
     assert (tuning.flights, tuning.search_flights) == (9, 3)
     np.testing.assert_array_equal(batch.best.parameters, points(4)[2])
-    assert tuner.told[0].cost.tolist() == pytest.approx([80.0, 30.0, 0.0, 0.0])
+    assert tuner.reported[0].cost.tolist() == pytest.approx([80.0, 30.0, 0.0, 0.0])
 
 
 def test_reflights_count_in_the_budget_even_in_the_middle_of_a_confirmation():
@@ -150,7 +158,46 @@ def test_reflights_count_in_the_budget_even_in_the_middle_of_a_confirmation():
     assert not batches[-1].best.confirmed
 
 
-def test_without_confirmations_the_first_success_is_believed():
+class OneByOne(Tuning):
+    """Confirms by one flight at a time, as a person would."""
+
+    def _confirm(self, parameters, flown):
+        ledgers = []
+        while not self._is_confirmed(flown) and self.settings.goal.met(flown).all() and self.flights < self.settings.budget:
+            ledger, scores = yield from self._fly(Stream.CONFIRMATION, parameters[None])
+            ledgers.append(ledger)
+            flown = Scores.join([flown, scores])
+        return flown, ledgers
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, {"confirm": 10}, {"budget": 17}, {"samples": 3}, {"batch": 1}, {"reliability": 0.5}, {"confirm": 0}]
+)
+@pytest.mark.parametrize("seed", range(3))
+def test_reflights_in_one_batch_are_those_that_would_be_flown_one_by_one(changes, seed):
+    asked = TuningSettings(**{"seed": seed, "budget": 60, "validation": 20, "reliability": 0.999, **changes})
+    flown = {}
+    for way in (Tuning, OneByOne):
+        world, tuning = FakeWorld(noise=0.6), way(tuners.build("metropolis_hastings"), SCENARIO, asked, np.tile(1.1 * OPTIMUM, (2, 1)))
+        flown[way] = world, list(tune(Objective(SCENARIO, world), tuning))
+    (together, batches), (apart, ones) = flown.values()
+    assert_same(ledger_of(batches), ledger_of(ones))
+    assert [batch.state for batch in batches] == [batch.state for batch in ones]
+    assert [vars(batch) | {"ledger": 0, "best": 0} for batch in batches] == [vars(batch) | {"ledger": 0, "best": 0} for batch in ones]
+    assert batches[-1].flights <= asked.budget
+    assert sum(apart.batches) == len(ledger_of(ones))
+    assert len(together.batches) <= len(apart.batches)
+
+
+def test_reflights_share_a_batch_and_never_exceed_the_budget():
+    for budget, batches in ((200, [1, 4]), (4, [1, 3])):
+        world, settings = FakeWorld(noise=0.0), TuningSettings(budget=budget, validation=0, batch=1)
+        for batch in tune(Objective(SCENARIO, world), Tuning(tuners.build("random_search"), SCENARIO, settings, np.tile(OPTIMUM, (2, 1)))):
+            assert batch.done
+        assert world.batches == batches
+
+
+def test_without_confirmations_the_first_success_is_confirmed():
     tuning, _ = run(Listener(points(9)), ScriptedObjective(0.2, 1.0), batch=1, confirm=0)
     assert (tuning.flights, tuning.best is not None and tuning.best.confirmed) == (2, True)
 
@@ -166,14 +213,14 @@ def test_a_confirmed_candidate_is_validated_with_noise_of_its_own_outside_the_bu
     np.testing.assert_array_equal(validated.parameters, points(9)[[1] * 5])
 
 
-def test_a_candidate_that_does_not_hold_is_told_with_all_its_flights_and_the_search_goes_on():
+def test_a_candidate_that_fails_its_validation_is_reported_with_all_its_flights_and_the_search_goes_on():
     tuner = Listener(points(9))
     objective = ScriptedObjective(*(1.0,) * 5, *(1.0, 0.6, 0.2, 1.0), 0.3, *(1.0,) * 5, *(1.0,) * 4)
     tuning, batches = run(tuner, objective, batch=1, validation=4, reliability=0.75)
     assert objective.completions == []
-    assert [batch.fallen for batch in batches] == [(Validation(4, 2),), (), ()]
-    assert tuner.told[0].cost.tolist() == [pytest.approx(120 / 9)]
-    assert tuner.told[0].completion.tolist() == [0.2]
+    assert [batch.failed_validations for batch in batches] == [(Validation(4, 2),), (), ()]
+    assert tuner.reported[0].cost.tolist() == [pytest.approx(120 / 9)]
+    assert tuner.reported[0].completion.tolist() == [0.2]
     assert (tuning.flights, tuning.search_flights, tuning.validation_flights) == (11, 3, 8)
     np.testing.assert_array_equal(batches[-1].best.parameters, points(9)[2])
     ledger = ledger_of(batches).of(Stream.VALIDATION)
@@ -181,11 +228,11 @@ def test_a_candidate_that_does_not_hold_is_told_with_all_its_flights_and_the_sea
     assert len(np.unique(ledger.seeds)) == 8
 
 
-def test_of_candidates_that_did_not_hold_the_one_that_held_most_often_is_handed_over():
+def test_of_candidates_that_failed_their_validation_the_most_reliable_is_the_result():
     first, second = (*(1.0,) * 5, 1.0, 1.0, 0.0, 0.0), (*(1.0,) * 5, 1.0, 0.9, 0.9, 0.9)
     tuning, _ = run(Listener(points(9)), ScriptedObjective(*first, *second, 0.95, *(1.0,) * 4), batch=1, budget=11, validation=4)
     assert tuning.best is not None
-    assert (tuning.best.confirmed, tuning.best.held) == (False, 0.5)
+    assert (tuning.best.confirmed, tuning.best.validation_rate) == (False, 0.5)
     np.testing.assert_array_equal(tuning.best.parameters, points(9)[0])
     assert tuning.validation == Validation(4, 4)
 
@@ -273,6 +320,9 @@ def test_stopped_after_any_batch_and_resumed_equals_never_stopped(name):
         assert_same(ledger_of(flown), ledger_of(whole))
         assert [batch.state for batch in flown] == [batch.state for batch in whole]
         assert [(one.flights, one.search_flights) for one in flown] == [(one.flights, one.search_flights) for one in whole]
+    states = [None, *(batch.state for batch in whole)]
+    written = [len(json.dumps(increment(*pair))) for pair in pairwise(states)]
+    assert sum(written[len(whole) // 2 :]) < 1.5 * sum(written[: -(-len(whole) // 2)]), "no history is written anew at every batch"
 
 
 def test_a_run_that_has_ended_flies_no_more_after_a_restore():
@@ -284,7 +334,7 @@ def test_a_run_that_has_ended_flies_no_more_after_a_restore():
 
 
 def test_runs_in_lockstep_go_as_they_would_alone_and_share_their_batches():
-    names = tuners.names()
+    names = ALGORITHMS
     twice = [*enumerate(names), *enumerate(names)]  # two that are alike share nothing either
     together = [Tuning(tuners.build(name), SCENARIO, TuningSettings(seed=seed, budget=40, validation=0)) for seed, name in twice]
     world = FakeWorld()
@@ -305,7 +355,7 @@ def test_crashing_costs_without_number_leave_the_run_sane():
             flights = super().fly(scenario, parameters, seeds, vehicle_parameters=vehicle_parameters, log=log)
             return replace(flights, gates_passed=np.zeros_like(flights.gates_passed), end_time=np.full(len(seeds), np.nan))
 
-    for name in tuners.names():
+    for name in ALGORITHMS:
         _, batches = run(tuners.build(name), Objective(SCENARIO, Broken()), budget=20)
         assert batches[-1].best.cost == np.inf
         json.dumps(batches[-1].state, allow_nan=False)

@@ -1,4 +1,4 @@
-/** Convergence: every flight of the search a mark, the best so far a line. */
+/** Convergence: completion and cost of every search flight and re-flight; the line is the best search flight so far. */
 import uPlot from "uplot";
 import type { App } from "../app";
 import { type Palette, palette } from "../colours";
@@ -22,7 +22,7 @@ interface Kind {
 /** The card with completion and cost over flights. */
 export function convergence(app: App): { readonly element: HTMLElement; readonly build: () => void } {
   const key = h("p", { class: "key" });
-  const said = h("p", { class: "said" }, "Point at a flight to read it.");
+  const said = h("p", { class: "said" }, "Point at a flight to read its values.");
   const name = h("span", {}, "cost");
   const [completion, cost] = ["completion", "cost"].map((what) => h("div", { class: "plot", role: "img", "aria-label": `${what} of every flight in the order flown` }));
   const frames = [
@@ -32,7 +32,7 @@ export function convergence(app: App): { readonly element: HTMLElement; readonly
   const build = (): void => {
     const flights = app.parts.flights.value;
     name.textContent = flights ? flights.cost_name : "cost";
-    key.replaceChildren(...(flights && shownRows(flights).length ? keys(app, flights) : ["No flights yet."]));
+    key.replaceChildren(...(flights && searchRows(flights).length ? keys(app, flights) : ["No flights yet."]));
     for (const frame of frames) frame.build();
   };
   app.parts.flights.after(build);
@@ -40,12 +40,12 @@ export function convergence(app: App): { readonly element: HTMLElement; readonly
   const upper = h("figure", { class: "chart" }, h("figcaption", {}, "completion [%]"), completion);
   const lower = h("figure", { class: "chart" }, h("figcaption", {}, name), cost);
   const note = "Every flight in the order flown; the line is the best search flight so far.";
-  return { element: card("convergence", "How it was found", note, key, upper, lower, said), build };
+  return { element: card("convergence", "Convergence of the search", note, key, upper, lower, said), build };
 }
 
 function draw(app: App, colours: Palette, of: (flights: Flights) => Table, share: boolean): Drawing | null {
   const flights = app.parts.flights.value;
-  const rows = flights ? shownRows(flights) : [];
+  const rows = flights ? searchRows(flights) : [];
   if (!flights || !rows.length) return null;
   const values = rows.map((i) => of(flights).values[i] * (share ? 100 : 1));
   const known = values.filter(Number.isFinite);
@@ -89,7 +89,7 @@ function keys(app: App, flights: Flights): HTMLElement[] {
   const signs: Readonly<Record<Shape, string>> = { disc: "●", ring: "○", diamond: "◆", cross: "×" };
   const all = kinds(palette(app.theme.value));
   const occurring = new Map<string, number>();
-  for (const row of shownRows(flights)) {
+  for (const row of searchRows(flights)) {
     const kind = all.find((one) => one.of(flights, row));
     if (kind) occurring.set(kind.name, (occurring.get(kind.name) ?? 0) + 1);
   }
@@ -98,21 +98,21 @@ function keys(app: App, flights: Flights): HTMLElement[] {
     .map((kind) => h("span", {}, h("b", { class: `sign ${kind.shape}`, "aria-hidden": "true" }, signs[kind.shape]), `${occurring.get(kind.name)} ${kind.name}`));
 }
 
-/** Says which flight is pointed at. */
+/** Writes the values of the flight below the pointer. */
 function listen(app: App, said: HTMLElement): (plot: uPlot) => void {
   return (plot) => {
     plot.over.onpointermove = (event) => {
       const flights = app.parts.flights.value;
       if (!flights) return;
       const number = plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x");
-      const rows = shownRows(flights);
+      const rows = searchRows(flights);
       const row = rows.reduce((best, i) => (Math.abs(flights.number.values[i] - number) < Math.abs(flights.number.values[best] - number) ? i : best), rows[0]);
-      said.textContent = describe(flights, row, app.parts.scenario.value.segment_names);
+      said.textContent = readout(flights, row, app.parts.scenario.value.segment_names);
     };
   };
 }
 
-function describe(flights: Flights, row: number, segments: readonly string[]): string {
+function readout(flights: Flights, row: number, segments: readonly string[]): string {
   const kind = flights.stream[row] === SEARCH ? (flights.accepted[row] ? "accepted" : "rejected") : "re-flight";
   const failed = segments[flights.failed_segment[row]];
   const parts = [kind, `${percent(flights.completion.values[row])} of the gates`, `${flights.cost_name.replace(/ \[.*/, "")} ${digits(flights.cost.values[row])}`];
@@ -134,6 +134,6 @@ function bestSoFar(flights: Flights, rows: readonly number[], values: readonly n
   });
 }
 
-function shownRows(flights: Flights): number[] {
+function searchRows(flights: Flights): number[] {
   return Array.from(flights.number.values.keys()).filter((i) => flights.stream[i] !== VALIDATION);
 }

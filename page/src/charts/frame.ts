@@ -1,4 +1,4 @@
-/** Frame: a uPlot chart in the page's style, that fills the width of its place. */
+/** Frame: a uPlot chart in the style of the page, as wide as its container. */
 import uPlot from "uplot";
 import { type Palette, palette } from "../colours";
 import type { App } from "../app";

@@ -1,4 +1,4 @@
-/** Marks: what is drawn into charts beside their lines; all sizes in CSS pixels. */
+/** Marks: limits, levels, gates and points in charts. */
 import uPlot from "uplot";
 import type { Palette } from "../colours";
 import type { Scenario } from "../data";
@@ -8,7 +8,7 @@ const across = (plot: uPlot, x: number): number => plot.valToPos(x, "x", true);
 const up = (plot: uPlot, y: number): number => plot.valToPos(y, "y", true);
 const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);
 
-/** Grey where the vehicle cannot go: beyond its limits. */
+/** Grey areas beyond the limits of a quantity. */
 export function beyond(plot: uPlot, pen: CanvasRenderingContext2D, limits: readonly [number | null, number | null], colours: Palette): void {
   const { left, top, width, height } = plot.bbox;
   const [low, high] = limits;

@@ -8,7 +8,7 @@ import { percent, symbol } from "../format";
 const WIDTH = 190;
 const HEIGHT = 110;
 const EDGE = { left: 42, right: 10, top: 10, bottom: 22 };
-const LITTLE = 0.02; // of the gates: less than can be told apart from luck in few flights
+const LITTLE = 0.02; // of the gates: a smaller loss is within the noise of so few flights
 const MUCH = 0.25;
 
 /** The card with a small chart for each parameter. */
@@ -23,8 +23,8 @@ export function sensitivity(app: App): { readonly element: HTMLElement; readonly
   };
   const { sensitivity: flown, parameters } = app.parts;
   for (const signal of [flown, parameters]) signal.after(build);
-  const note = "The tuned parameters, one at a time multiplied in all segments, but moved no further than to their bounds. Line: mean completion; bars: share of flights that pass all gates.";
-  return { element: card("sensitivity", "Which parameters matter?", note, body), build };
+  const note = "Completion when one tuned parameter is multiplied by a factor in all segments (at most to its bounds). Line: mean completion; bars: share of flights that pass all gates.";
+  return { element: card("sensitivity", "Sensitivity", note, body), build };
 }
 
 /** Largest loss of completion, and at which factor. */
@@ -45,11 +45,11 @@ function say(flown: Sensitivity, set: ParameterSet, order: readonly number[]): (
   const strong = order.filter((k) => loss(flown, k).most >= MUCH);
   for (const k of strong.slice(0, 2)) {
     const { most, factor } = loss(flown, k);
-    words.push(symbol(set.symbols[k] ?? set.names[k]), ` times ${fraction(factor)} loses ${percent(most)} of the gates. `);
+    words.push(symbol(set.symbols[k] ?? set.names[k]), ` multiplied by ${fraction(factor)} loses ${percent(most)} of the gates. `);
   }
-  if (idle.length) words.push(...list(idle), idle.length === 1 ? " hardly matters" : " hardly matter", `: completion stays within ${percent(LITTLE)} from ${ends[0]} to ${ends[1]} times the tuned value, or the bounds. `);
-  if (!idle.length && !strong.length) words.push("All parameters matter a little. ");
-  words.push(`${flown.flights} flights a point.`);
+  if (idle.length) words.push(...list(idle), idle.length === 1 ? " has almost no effect" : " have almost no effect", `: completion stays within ${percent(LITTLE)} from ${ends[0]} to ${ends[1]} times the tuned value, or the bounds. `);
+  if (!idle.length && !strong.length) words.push("Every parameter has some effect. ");
+  words.push(`${flown.flights} flights for each point.`);
   return words;
 }
 

@@ -1,4 +1,4 @@
-/** Telemetry: tracking error, speed and commands of the shown flights, under one clock. */
+/** Telemetry: tracking error, speed and commands of the visible flights. */
 import type { App, Axis } from "../app";
 import { card, h } from "../dom";
 import { digits } from "../format";
@@ -9,9 +9,9 @@ const NAMES = ["roll rate", "pitch rate", "yaw rate"];
 /** The card with all charts over time. */
 export function telemetry(app: App): { readonly element: HTMLElement; readonly build: () => void } {
   const charts = [error, speed, thrust, ...NAMES.map((_, axis) => rate(axis))].map((quantity) => new TimeChart(app, () => quantity(app)));
-  const note = "Point at a chart to move the drone. Ticks are gates, dots how near they were passed; thin grey lines are the plan; grey areas lie beyond the limits. Nothing is smoothed.";
+  const note = "Point at a chart to move the drone. Ticks: gates; dots: distance from each gate as it is judged; thin grey lines: the plan; grey areas: beyond the limits. Nothing is smoothed.";
   const columns = h("div", { class: "charts" }, ...charts.map((chart) => chart.element));
-  const element = card("telemetry", "Why is it better?", note, columns);
+  const element = card("telemetry", "Telemetry", note, columns);
   element.querySelector("header")?.append(axisSwitch(app));
   return { element, build: () => charts.forEach((chart) => chart.build()) };
 }

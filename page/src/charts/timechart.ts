@@ -1,4 +1,4 @@
-/** TimeChart: quantities of the shown flights over time or along the track, with the clock's cursor. */
+/** TimeChart: one quantity of the visible flights over time or along the track, with the clock's cursor. */
 import uPlot from "uplot";
 import type { App } from "../app";
 import { DASHES, flightColour, type Palette } from "../colours";
@@ -20,7 +20,7 @@ export interface Quantity {
   readonly column?: number;
   readonly reference?: Table;
   readonly limits?: readonly [number | null, number | null];
-  /** A level that matters, with its name. */
+  /** A level that decides, such as the distance within which a gate is passed, with its name. */
   readonly line?: { readonly value: number; readonly name: string };
   readonly most?: number;
 }
@@ -49,7 +49,7 @@ export class TimeChart {
     this.element = h("figure", { class: "chart" }, h("figcaption", {}, h("span", {}, `${title} [${unit}]`), this.readout), host);
     this.frame = new Frame(app, host, height, (colours) => this.draw(colours), (plot) => this.attach(plot));
     const { traces, scenario } = app.parts;
-    for (const signal of [traces, scenario, app.shown, app.axis, app.theme]) signal.after(() => this.frame.build());
+    for (const signal of [traces, scenario, app.visible, app.axis, app.theme]) signal.after(() => this.frame.build());
     app.lit.after(() => this.frame.plot?.redraw(false));
     app.clock.time.after(() => this.point());
     app.clock.playing.after(() => this.point());
@@ -66,8 +66,8 @@ export class TimeChart {
     const along = app.axis.value === "distance";
     const reached = lengths(track);
     this.grid = along ? reached : track.reference.time.values;
-    const shown = app.parts.traces.value.filter((trace) => app.shown.value.has(trace.id) && trace.time.values.length > 1);
-    this.lines = shown.map((trace) => ({ id: trace.id, label: trace.label, values: this.resample(trace, along ? progress(track, trace, reached) : null) }));
+    const visible = app.parts.traces.value.filter((trace) => app.visible.value.has(trace.id) && trace.time.values.length > 1);
+    this.lines = visible.map((trace) => ({ id: trace.id, label: trace.label, values: this.resample(trace, along ? progress(track, trace, reached) : null) }));
     const reference = quantity.reference;
     const base = reference ? [pick(reference, quantity.column ?? 0, this.grid.length)] : [];
     const ordered = [...this.lines].reverse(); // the first is drawn last, on top
@@ -131,7 +131,7 @@ export class TimeChart {
 
   private range(base: readonly number[]): [number, number] {
     const { limits, line, most } = this.quantity();
-    const values = [...this.lines.flatMap((shown) => shown.values), ...base, ...(limits ?? []), line?.value ?? null];
+    const values = [...this.lines.flatMap((line) => line.values), ...base, ...(limits ?? []), line?.value ?? null];
     let [low, high] = [Infinity, -Infinity];
     for (const value of values) {
       if (value === null || !Number.isFinite(value)) continue;
@@ -149,7 +149,7 @@ export class TimeChart {
     if (this.cursor.parentElement !== over) {
       over.append(this.cursor);
       const seek = (event: PointerEvent): void => this.seek(event.clientX - over.getBoundingClientRect().left);
-      over.addEventListener("pointerenter", () => this.app.clock.hold());
+      over.addEventListener("pointerenter", () => this.app.clock.freeze());
       over.addEventListener("pointermove", seek);
       over.addEventListener("pointerdown", seek);
       for (const name of ["pointerleave", "pointercancel"]) over.addEventListener(name, () => this.app.clock.release());
@@ -187,7 +187,7 @@ export class TimeChart {
     this.readout.replaceChildren(...this.say(Math.round(find(this.grid, x))));
   }
 
-  /** What the flights do at a row of the grid. */
+  /** Values of the flights at a row of the grid. */
   private say(index: number): HTMLElement[] {
     return this.lines.map(({ id, label, values }) =>
       h("span", { class: `flight ${id}` }, h("i", { class: `dash ${id}`, "aria-hidden": "true" }), `${label} ${values[index] === null ? "ended" : digits(values[index])}`),

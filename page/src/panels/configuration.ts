@@ -1,29 +1,29 @@
-/** Configuration: what it takes to fly the study again. */
+/** Configuration: command, seed, versions and settings that repeat the study. */
 import type { App } from "../app";
 import type { Configuration } from "../data";
 import { card, h, renew } from "../dom";
 
 export function configuration(app: App): HTMLElement {
   const body = h("div", {});
-  app.parts.configuration.watch((told) => renew(body, ...(told ? describe(told, app.parts.headline.value.seed) : ["Unknown."])));
-  return card("configuration", "Run it again", "", body);
+  app.parts.configuration.watch((known) => renew(body, ...(known ? rows(known, app.parts.headline.value.seed) : ["Unknown."])));
+  return card("configuration", "Repeat this study", "", body);
 }
 
-function describe(told: Configuration, seed: number): HTMLElement[] {
-  const opened = told.opened.length > 1 ? `${told.opened[0]}, continued ${told.opened.slice(1).join(", ")}` : (told.opened[0] ?? "");
+function rows(known: Configuration, seed: number): HTMLElement[] {
+  const opened = known.opened.length > 1 ? `${known.opened[0]}, continued ${known.opened.slice(1).join(", ")}` : (known.opened[0] ?? "");
   const facts: readonly (readonly [string, string])[] = [
-    ["configuration", told.fingerprint],
+    ["configuration", known.fingerprint],
     ["seed", String(seed)],
-    ["world", told.world],
-    ["versions", Object.entries(told.versions).map(([name, version]) => `${name} ${version}`).join(", ")],
+    ["world", known.world],
+    ["versions", Object.entries(known.versions).map(([name, version]) => `${name} ${version}`).join(", ")],
     ["flown", opened],
-    ...Object.entries(told.files).map(([name, path]) => [name, path] as const),
+    ...Object.entries(known.files).map(([name, path]) => [name, path] as const),
   ];
   return [
-    h("div", { class: "command" }, h("code", { id: "command" }, told.command), copy(told.command)),
+    h("div", { class: "command" }, h("code", { id: "command" }, known.command), copy(known.command)),
     h("dl", { class: "pairs-of-facts" }, ...facts.filter(([, value]) => value).flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)])),
-    h("details", {}, h("summary", {}, "all settings"), settings(told.settings)),
-    h("details", {}, h("summary", {}, "the race"), h("pre", {}, told.race_toml)),
+    h("details", {}, h("summary", {}, "all settings"), settings(known.settings)),
+    h("details", {}, h("summary", {}, "the race"), h("pre", {}, known.race_toml)),
   ];
 }
 

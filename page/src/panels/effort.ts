@@ -1,4 +1,4 @@
-/** Effort: how hard each controller works, so that a good number cannot hide one that is about to shake apart. */
+/** Effort: how fast the commands change and how long they are at a limit, so that a good success rate cannot hide oscillating commands. */
 import type { App } from "../app";
 import type { EffortNumbers, Trace } from "../data";
 import { card, h, renew } from "../dom";
@@ -19,7 +19,7 @@ const MEASURES: readonly Measure[] = [
   { name: "change of thrust command [m/s³]", of: (effort) => effort.thrust_activity, write: (effort) => digits(effort.thrust_activity) },
   { name: "change of rate command [rad/s²]", of: (effort) => effort.rate_activity, write: (effort) => digits(effort.rate_activity) },
   { name: "time at a limit", of: (effort) => effort.saturated, write: (effort) => percent(effort.saturated) },
-  { name: "rate command above 3 Hz, of its power", of: (effort) => effort.oscillation?.share ?? null, write: oscillation },
+  { name: "power of the rate command above 3 Hz", of: (effort) => effort.oscillation?.share ?? null, write: oscillation },
 ];
 
 export function effort(app: App): HTMLElement {
@@ -28,7 +28,7 @@ export function effort(app: App): HTMLElement {
     const flown = traces.filter((trace) => trace.effort);
     renew(body, ...(flown.length ? [h("p", {}, say(flown), h("span", { class: "bad" }, warn(flown[0]))), table(flown)] : ["Not flown yet."]));
   });
-  return card("effort", "How hard does it work?", "Root mean square of the commands' change in a second, beside the plan's own inputs. Bars are logarithmic.", body);
+  return card("effort", "Control effort", "Root mean square rate of change of the commands, beside that of the plan's inputs. Bars are logarithmic.", body);
 }
 
 function table(flown: readonly Trace[]): HTMLElement {
@@ -56,7 +56,7 @@ function oscillation(effort: EffortNumbers): string {
   return frequency === null ? percent(share) : `${percent(share)}, peak ${digits(frequency, 2)} Hz`;
 }
 
-/** How the first flight's rate command compares with the plan's and with the others'. */
+/** How fast the rate command of the first flight changes, compared with the plan and the other flights. */
 function say(flown: readonly Trace[]): string {
   const rate = (trace: EffortNumbers | null): number | null => trace?.rate_activity ?? null;
   const own = flown[0];
@@ -64,22 +64,22 @@ function say(flown: readonly Trace[]): string {
   if (mine === null || plan === null || plan <= 0) return "";
   const others = flown.slice(1).flatMap((trace) => {
     const value = rate(trace.effort);
-    return value === null ? [] : [`the ${trace.label} ${times(value / plan)}`];
+    return value === null ? [] : [`with the ${trace.label} parameters ${times(value / plan)}`];
   });
   const end = others.length ? `; ${others.join(", ")}` : "";
-  return `The ${own.label} controller moves its rate command ${times(mine / plan)} as much as the plan does${end}.`;
+  return `The rate command with the ${own.label} parameters changes ${times(mine / plan)} as fast as that of the plan${end}.`;
 }
 
-/** What should make one look twice, however good the number. */
+/** Warnings, whatever the success rate. */
 function warn(trace: Trace): string {
   const { effort: own } = trace;
   const [mine, plan] = [own?.rate_activity ?? 0, own?.reference?.rate_activity ?? 0];
   const worries = [
-    (own?.saturated ?? 0) > SATURATED ? `it is at a limit for ${percent(own?.saturated)} of the time` : "",
-    plan > 0 && mine > BUSY * plan ? "it moves its commands far more than the flight asks for" : "",
-    (own?.oscillation?.share ?? 0) > SHAKING + (own?.reference?.oscillation?.share ?? 0) ? `it shakes at ${digits(own?.oscillation?.frequency, 2)} Hz` : "",
+    (own?.saturated ?? 0) > SATURATED ? `a command is at a limit for ${percent(own?.saturated)} of the time` : "",
+    plan > 0 && mine > BUSY * plan ? "the rate command changes much faster than the plan needs" : "",
+    (own?.oscillation?.share ?? 0) > SHAKING + (own?.reference?.oscillation?.share ?? 0) ? `the rate command oscillates at ${digits(own?.oscillation?.frequency, 2)} Hz` : "",
   ].filter(Boolean);
-  return worries.length ? ` Careful: ${worries.join(", and ")}.` : "";
+  return worries.length ? ` Warning: ${worries.join(", and ")}.` : "";
 }
 
 const times = (ratio: number): string => `${digits(ratio, 2)} times`;

@@ -1,9 +1,9 @@
-/** Endings: where flights of each kind ended, and how. */
+/** Endings: how many flights of each set of parameters passed all gates, and where the others failed. */
 import type { App } from "../app";
 import type { Repeat } from "../data";
 import { card, h, renew } from "../dom";
 import { interval, percent } from "../format";
-import { rateBar } from "./hold";
+import { rateBar } from "./robustness";
 
 const MOST = 3;
 
@@ -17,16 +17,16 @@ export function endings(app: App): HTMLElement {
         h("th", { scope: "row" }, h("i", { class: `dash ${repeat.id}`, "aria-hidden": "true" }), repeat.label),
         h("td", { class: "number" }, h("b", {}, `${repeat.complete} of ${repeat.flights}`), h("span", { class: "quiet" }, ` ${interval(repeat)}`)),
         h("td", {}, rateBar({ ...repeat, rate: repeat.complete / repeat.flights })),
-        h("td", {}, describe(repeat)),
+        h("td", {}, failures(repeat)),
       ),
     );
     renew(body, repeats.length ? h("div", { class: "wide" }, h("table", { class: "endings" }, h("tbody", {}, ...lines))) : "Not flown yet.");
   });
-  return card("endings", "Where flights ended", "Flown again with fresh noise, the same for each; red crosses in the scene. Flights that passed all gates, and their 95 % interval.", body);
+  return card("endings", "Success rates and failures", "Each set of parameters was flown again with the same new noise: flights that passed all gates, with the 95 % interval. Red crosses in the scene show where the others failed.", body);
 }
 
-/** "18 missed gate 13, 14 crashed before gate 4". */
-function describe(repeat: Repeat): HTMLElement {
+/** Failures of one set of parameters by gate: "18 missed gate 13, 14 crashed before gate 4". */
+function failures(repeat: Repeat): HTMLElement {
   const counts = new Map<string, number>();
   repeat.failed_gates.forEach((gate, i) => {
     const text = repeat.ends[i] === "crashed" ? `crashed before gate ${gate + 1}` : `missed gate ${gate + 1}`;

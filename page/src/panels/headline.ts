@@ -1,4 +1,4 @@
-/** Headline: did it work, and will it hold, in one look. */
+/** Summary: race and vehicle, lap time, gates passed, and success rate. */
 import type { App } from "../app";
 import type { Headline } from "../data";
 import { h, renew } from "../dom";
@@ -11,41 +11,41 @@ export function headline(app: App): HTMLElement {
     theme.textContent = name === "dark" ? "light" : "dark";
     theme.setAttribute("aria-label", `switch to ${theme.textContent} colours`);
   });
-  app.parts.headline.watch((told) => renew(body, title(told), h("dl", { class: "facts" }, ...facts(told))));
+  app.parts.headline.watch((summary) => renew(body, title(summary), h("dl", { class: "facts" }, ...facts(summary))));
   return h("header", { class: "top" }, body, theme);
 }
 
-function title(told: Headline): HTMLElement {
-  const mistaken = (told.mistaken ?? []).map((name) => name.replaceAll("_", " ")).join(", ");
-  const vehicle = [told.vehicle, latency(told.latency_unknown ?? 0)];
-  const work = told.state === "running" ? `running: ${told.flights} of ${told.budget} flights` : `tuned in ${count(told.flights, "flight")}`;
-  const time = told.wall_time === null ? "" : `, ${told.wall_time < 100 ? told.wall_time.toFixed(1) : Math.round(told.wall_time)} s`;
+function title(summary: Headline): HTMLElement {
+  const mistaken = (summary.mistaken ?? []).map((name) => name.replaceAll("_", " ")).join(", ");
+  const vehicle = [summary.vehicle, latency(summary.latency_unknown ?? 0)];
+  const work = summary.state === "running" ? `running: ${summary.flights} of ${summary.budget} flights` : `tuned in ${count(summary.flights, "flight")}`;
+  const time = summary.wall_time === null ? "" : `, ${summary.wall_time < 100 ? summary.wall_time.toFixed(1) : Math.round(summary.wall_time)} s`;
   return h(
     "div",
     { class: "title" },
-    h("h1", {}, told.race),
+    h("h1", {}, summary.race),
     h("p", {}, vehicle.filter(Boolean).join(" + ")),
-    mistaken ? h("p", { class: "quiet" }, `its controller is mistaken about: ${mistaken}`) : null,
-    h("p", { class: "quiet" }, `${work}${time} by ${told.tuner.replace(/:default$/, "").replaceAll("_", " ")}; goal ${told.goal}; seed ${told.seed}`),
-    told.remark ? h("p", { class: "quiet" }, told.remark) : null,
+    mistaken ? h("p", { class: "quiet" }, `the controller's model differs from the vehicle in: ${mistaken}`) : null,
+    h("p", { class: "quiet" }, `${work}${time} by ${summary.tuner.replace(/:default$/, "").replaceAll("_", " ")}; goal ${summary.goal}; seed ${summary.seed}`),
+    summary.remark ? h("p", { class: "quiet" }, summary.remark) : null,
   );
 }
 
-/** What the controller does not know of the time that its commands take, or reckons with in vain [s]. */
+/** Dead time of the vehicle [s] that the controller does not predict (positive), or predicts too much (negative), in words. */
 function latency(unknown: number): string {
   const milliseconds = Math.abs(Math.round(1000 * unknown));
-  return milliseconds === 0 ? "" : unknown > 0 ? `${milliseconds} ms latency it does not know of` : `a controller that reckons with ${milliseconds} ms too much latency`;
+  return milliseconds === 0 ? "" : unknown > 0 ? `${milliseconds} ms of dead time that the controller does not model` : `a controller that assumes ${milliseconds} ms too much dead time`;
 }
 
-function facts(told: Headline): HTMLElement[] {
-  const plan = told.planned_lap_time === null ? "" : `plan ${seconds(told.planned_lap_time)}`;
-  const { validation } = told;
+function facts(summary: Headline): HTMLElement[] {
+  const plan = summary.planned_lap_time === null ? "" : `plan ${seconds(summary.planned_lap_time)}`;
+  const { validation } = summary;
   return [
-    fact("lap time", seconds(told.lap_time), plan),
-    fact("gates passed", percent(told.completion), ...standing(told)),
+    fact("lap time", seconds(summary.lap_time), plan),
+    fact("gates passed", percent(summary.completion), ...confirmation(summary)),
     validation
-      ? fact("holds in", percent(validation.rate), `${validation.successes} of ${validation.flights} fresh flights; 95 %: ${interval(validation)}`)
-      : fact("holds in", "–", "not validated"),
+      ? fact("success rate", percent(validation.rate), `${validation.successes} of ${validation.flights} validation flights; 95 % interval ${interval(validation)}`)
+      : fact("success rate", "–", "not validated"),
   ];
 }
 
@@ -53,8 +53,8 @@ function fact(name: string, value: string, detail: string, state = ""): HTMLElem
   return h("div", { class: state }, h("dt", {}, name), h("dd", { class: "big" }, value), h("dd", { class: "quiet" }, detail));
 }
 
-/** Whether the best candidate was confirmed, and whether that is bad news. */
-function standing(told: Headline): [string, string] {
-  if (told.confirmed) return [`confirmed ${told.confirm} of ${told.confirm}`, ""];
-  return told.state === "running" ? ["not yet confirmed", ""] : ["not confirmed", "bad"];
+/** Whether the best parameters were confirmed by re-flights, and the class of the text. */
+function confirmation(summary: Headline): [string, string] {
+  if (summary.confirmed) return [`confirmed in ${summary.confirm} of ${summary.confirm} re-flights`, ""];
+  return summary.state === "running" ? ["not yet confirmed", ""] : ["not confirmed", "bad"];
 }

@@ -1,4 +1,4 @@
-/** Parameters of a segment: default, first guess and tuned on a logarithmic axis, and how much the flights care. */
+/** Parameters of a segment: default, first guess and tuned value on a logarithmic axis, and how much completion depends on each. */
 import type { App } from "../app";
 import type { ParameterSet } from "../data";
 import type { Table } from "../table";
@@ -12,34 +12,34 @@ export function parameters(app: App): HTMLElement {
   const body = h("div", {});
   const build = (): void => {
     const set = app.parts.parameters.value;
-    if (!set) return renew(body, "Nothing is tuned yet.");
+    if (!set) return renew(body, "No parameters yet.");
     const count = set.best.shape[0];
     const segment = Math.min(app.pointed.value ?? app.chosen.value, count - 1);
-    const cares = app.parts.sensitivity.value?.by_segment ?? null;
-    const rows = set.names.map((_, k) => row(set, segment, k, cares));
-    renew(body, h("table", { class: "parameters" }, head(cares !== null), h("tbody", {}, ...rows)), kept(set), all(set, app.parts.scenario.value.segment_names));
+    const losses = app.parts.sensitivity.value?.by_segment ?? null;
+    const rows = set.names.map((_, k) => row(set, segment, k, losses));
+    renew(body, h("table", { class: "parameters" }, head(losses !== null), h("tbody", {}, ...rows)), kept(set), all(set, app.parts.scenario.value.segment_names));
   };
   const { parameters: set, sensitivity, scenario } = app.parts;
   for (const signal of [set, sensitivity, scenario, app.chosen, app.pointed]) signal.after(build);
   build();
-  return card("parameters", "What was tuned", "", segmentSwitch(app, "parameters"), body);
+  return card("parameters", "Tuned parameters", "", segmentSwitch(app, "parameters"), body);
 }
 
-/** A search that begins well may end where it began. */
+/** A note where the search found nothing better than the first guess. */
 function kept(set: ParameterSet): HTMLElement | null {
-  return set.best.values.every((value, i) => value === set.first.values[i]) ? h("p", { class: "quiet" }, "The first guess was kept.") : null;
+  return set.best.values.every((value, i) => value === set.first.values[i]) ? h("p", { class: "quiet" }, "The search found nothing better than the first guess.") : null;
 }
 
-function head(cares: boolean): HTMLElement {
+function head(losses: boolean): HTMLElement {
   const names = ["", "first → tuned", "□\u00a0default ○\u00a0first ●\u00a0tuned"];
-  const last = cares ? h("th", { scope: "col", title: "share of the gates that is lost when the value is multiplied by 1/4 or 4, or moved to its bound, in this segment alone" }, "loss if wrong") : null;
+  const last = losses ? h("th", { scope: "col", title: "share of the gates that is lost when the value is multiplied by 1/4 or 4 (at most to its bound) in this segment alone" }, "gates lost if changed") : null;
   return h("thead", {}, h("tr", {}, ...names.map((name) => h("th", { scope: "col" }, name)), last));
 }
 
-function row(set: ParameterSet, segment: number, k: number, cares: Table | null): HTMLElement {
+function row(set: ParameterSet, segment: number, k: number, losses: Table | null): HTMLElement {
   const at = (table: Table): number => table.values[segment * set.names.length + k];
   const unit = set.units[k] ? ` × ${set.units[k]}` : "";
-  const loss = cares ? cares.values[segment * set.names.length + k] : null;
+  const loss = losses ? losses.values[segment * set.names.length + k] : null;
   return h(
     "tr",
     {},

@@ -1,4 +1,4 @@
-/** Switch between segments: pointing at one lights it everywhere, choosing one keeps it. */
+/** Segment switch: the segment below the pointer is highlighted everywhere; a click chooses it. */
 import type { App } from "../app";
 import { h, renew } from "../dom";
 

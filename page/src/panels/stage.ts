@@ -1,4 +1,4 @@
-/** Stage: the scene with its controls. */
+/** Stage: the scene in three dimensions with its controls. */
 import type { App, Camera } from "../app";
 import { RATES } from "../clock";
 import { gradient } from "../colours";
@@ -9,11 +9,11 @@ import { slider } from "./slider";
 
 const CAMERAS: readonly Camera[] = ["follow", "orbit", "top"];
 
-const HINT = "space plays; ← → move the clock; , . go from gate to gate; 1 2 3 choose the camera";
+const HINT = "Keys: space plays and stops; ← → move the clock; , . jump from gate to gate; 1 2 3 choose the camera";
 
 export interface Stage {
   readonly element: HTMLElement;
-  /** To be called when the page stands. */
+  /** To be called when the other parts of the page are drawn. */
   readonly start: () => TrackScene | null;
 }
 
@@ -28,7 +28,7 @@ export function stage(app: App, map: SVGElement | null): Stage {
       const scene = new TrackScene(app, canvas);
       new ResizeObserver(() => scene.resize(place.clientWidth, place.clientHeight)).observe(place);
       scene.resize(place.clientWidth, place.clientHeight);
-      ground.textContent = `grid ${scene.cell} m; drones larger than life`;
+      ground.textContent = `grid ${scene.cell} m; drones not to scale`;
       return scene;
     } catch (error) {
       canvas.replaceWith(h("div", { class: "map" }, map, h("p", {}, `No 3-D scene: ${error instanceof Error ? error.message : "WebGL is missing"}. This is the track from above.`)));
@@ -38,16 +38,16 @@ export function stage(app: App, map: SVGElement | null): Stage {
   return { element, start };
 }
 
-/** Which flights are shown, and how each ended. */
+/** Buttons that show or hide flights, with the end of each. */
 function chips(app: App): HTMLElement {
-  const element = h("div", { class: "chips", role: "group", "aria-label": "Flights shown" });
+  const element = h("div", { class: "chips", role: "group", "aria-label": "Visible flights" });
   const build = (): void =>
     renew(
       element,
       ...app.parts.traces.value.map((trace) =>
         h(
           "button",
-          { type: "button", id: `chip-${trace.id}`, class: `chip ${trace.id}`, "aria-pressed": String(app.shown.value.has(trace.id)), onclick: () => app.toggle(trace.id) },
+          { type: "button", id: `chip-${trace.id}`, class: `chip ${trace.id}`, "aria-pressed": String(app.visible.value.has(trace.id)), onclick: () => app.toggle(trace.id) },
           h("i", { class: `dash ${trace.id}`, "aria-hidden": "true" }),
           h("b", {}, trace.label),
           h("span", { class: trace.failed ? "bad" : "quiet" }, trace.failed ? `× ${trace.ending}` : trace.ending),
@@ -55,7 +55,7 @@ function chips(app: App): HTMLElement {
       ),
     );
   app.parts.traces.after(build);
-  app.shown.after(build);
+  app.visible.after(build);
   build();
   return element;
 }

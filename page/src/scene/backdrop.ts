@@ -1,4 +1,4 @@
-/** Backdrop: the reference as a thin line, the lit segment, and a grid below with a plumb line from each gate. */
+/** Backdrop: the reference as a thin line, the highlighted segment, a grid on the ground, and a vertical line from each gate to it. */
 import { BufferGeometry, Color, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, type Mesh } from "three";
 import type { Palette } from "../colours";
 import type { Scenario } from "../data";
@@ -38,7 +38,7 @@ export class Backdrop {
     }
   }
 
-  /** Lights a segment; null for none. */
+  /** Highlights a segment; null for none. */
   light(segment: number | null): void {
     for (const piece of this.pieces) piece.line.visible = piece.segment === segment;
   }

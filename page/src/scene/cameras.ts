@@ -1,4 +1,4 @@
-/** Cameras: one that follows the drone, one to turn around the track, one from above. */
+/** Cameras: one follows the drone, one orbits the track, one looks from above. */
 import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Camera } from "../app";
@@ -35,7 +35,7 @@ export class Cameras {
     this.show("orbit");
   }
 
-  /** Which one looks. */
+  /** Chooses the camera. */
   show(kind: Camera): void {
     if (this.kind === "orbit" && kind !== "orbit") this.keep();
     this.kind = kind;

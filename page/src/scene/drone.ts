@@ -1,4 +1,4 @@
-/** Drone: four rotors on two arms, with a bar of each rotor's thrust; the nose points forward. */
+/** Drone: rotors where the vehicle has them, with a bar for the thrust of each; the nose points forward. Lengths in arms. */
 import { BoxGeometry, type BufferGeometry, CircleGeometry, ConeGeometry, CylinderGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, Quaternion, RingGeometry } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import type { Palette } from "../colours";
@@ -6,11 +6,8 @@ import type { Scenario, Trace } from "../data";
 import { between, find } from "../flight";
 import { label } from "./sprites";
 
-const DIAGONAL = Math.SQRT1_2;
-const PLACES: Readonly<Record<"x" | "plus", readonly (readonly [number, number])[]>> = {
-  x: [[DIAGONAL, DIAGONAL], [DIAGONAL, -DIAGONAL], [-DIAGONAL, -DIAGONAL], [-DIAGONAL, DIAGONAL]],
-  plus: [[1, 0], [0, 1], [-1, 0], [0, -1]],
-};
+type Places = readonly (readonly [number, number])[];
+
 const LONGEST = 1.8; // arms, of the bar of a rotor at its limit
 const LEAST = 0.02; // of the limit, so that a bar can be seen
 const HEIGHT = 0.08; // arms, of the rotors above the frame
@@ -29,7 +26,8 @@ export class Drone {
     private readonly ghost: boolean,
   ) {
     this.full = scenario.limits.rotor_thrust[1] || 1;
-    const places = PLACES[scenario.layout];
+    const arm = armOf(scenario.rotors);
+    const places: Places = scenario.rotors.map(([x, y]) => [x / arm, y / arm]);
     const opacity = ghost ? 0.55 : 1;
     const frame = new MeshBasicMaterial({ color: palette.ink, transparent: ghost, opacity });
     const paint = new MeshBasicMaterial({ color: colour, transparent: ghost, opacity, side: DoubleSide });
@@ -43,7 +41,7 @@ export class Drone {
     if (ghost) this.group.add(label(trace.label, colour, palette.face, -1.7));
   }
 
-  /** Goes to where it was at a time [s]. */
+  /** Moves to position and attitude of the flight at a time [s]. */
   update(time: number): void {
     const row = find(this.trace.time.values, time);
     const { position, attitude, rotor_thrusts } = this.trace;
@@ -57,16 +55,21 @@ export class Drone {
     });
   }
 
-  /** Drawn so large that an arm measures so many metres. */
+  /** Scales the drone so that its longest arm has a length [m]. */
   resize(arm: number): void {
     this.body.scale.setScalar(this.ghost ? 0.85 * arm : arm);
   }
 }
 
 /** Arms and the body between them. */
-function skeleton(places: readonly (readonly [number, number])[]): BufferGeometry {
-  const arms = places.map(([x, y]) => new BoxGeometry(1, 0.1, 0.07).rotateZ(Math.atan2(y, x)).translate(x / 2, y / 2, 0));
+function skeleton(places: Places): BufferGeometry {
+  const arms = places.map(([x, y]) => new BoxGeometry(Math.hypot(x, y), 0.1, 0.07).rotateZ(Math.atan2(y, x)).translate(x / 2, y / 2, 0));
   return mergeGeometries([...arms, new BoxGeometry(0.55, 0.32, 0.18)]);
+}
+
+/** Length [m] of the longest arm. */
+export function armOf(rotors: Places): number {
+  return Math.max(...rotors.map(([x, y]) => Math.hypot(x, y)));
 }
 
 function nose(): BufferGeometry {

@@ -1,4 +1,4 @@
-/** Gates: rings of the judged distance, across the way of the reference, with their numbers. */
+/** Gates: rings with the radius within which a gate is passed, normal to the reference, with their numbers. */
 import { Group, type PerspectiveCamera, type Sprite, Vector3 } from "three";
 import type { Palette } from "../colours";
 import type { Scenario } from "../data";

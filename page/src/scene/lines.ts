@@ -1,4 +1,4 @@
-/** Lines: hairs of one pixel, and ribbons of some pixels' width that face the camera; cheap enough for a processor that draws by itself. */
+/** Lines: of one pixel, and wider ribbons that face the camera; cheap enough to be drawn without a graphics card. */
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Line, LineBasicMaterial, Mesh, ShaderMaterial, Vector2 } from "three";
 import type { Floats } from "../table";
 
@@ -42,10 +42,10 @@ export function hair(points: Floats, colour: string, opacity = 1): Line {
 
 /** A line of one pixel with colours of its own, row by row, 0 to 1. */
 export function tinted(points: Floats, colours: Floats, opacity: number): Line {
-  const shown = hair(points, "#ffffff", opacity);
-  shown.geometry.setAttribute("color", new BufferAttribute(colours, 3));
-  (shown.material as LineBasicMaterial).vertexColors = true;
-  return shown;
+  const line = hair(points, "#ffffff", opacity);
+  line.geometry.setAttribute("color", new BufferAttribute(colours, 3));
+  (line.material as LineBasicMaterial).vertexColors = true;
+  return line;
 }
 
 /** A line of some pixels, in one colour or in one for each row (0 to 1). */
@@ -72,8 +72,8 @@ export function ribbons(parts: readonly Floats[], width: number, colour: string 
 }
 
 /** Shows the first rows of a ribbon only. */
-export function reveal(shown: Ribbon, rows: number): void {
-  shown.geometry.setDrawRange(0, Math.max(0, 6 * Math.floor(rows)));
+export function reveal(line: Ribbon, rows: number): void {
+  line.geometry.setDrawRange(0, Math.max(0, 6 * Math.floor(rows)));
 }
 
 /** Two triangles between each two rows of a part. */

@@ -6,7 +6,7 @@ import type { Scenario } from "../data";
 import { row } from "../table";
 import { Backdrop, type Extent } from "./backdrop";
 import { Cameras } from "./cameras";
-import { Drone } from "./drone";
+import { armOf, Drone } from "./drone";
 import { Gates } from "./gates";
 import { crosses } from "./sprites";
 import { Trail } from "./trail";
@@ -34,7 +34,7 @@ export class TrackScene {
     this.cameras = new Cameras(scenario, extent(scenario), canvas, () => this.view.invalidate());
     this.build();
     const { scenario: scenarios, traces, repeats } = app.parts;
-    for (const signal of [scenarios, traces, repeats, app.shown, app.theme]) signal.after(() => this.build());
+    for (const signal of [scenarios, traces, repeats, app.visible, app.theme]) signal.after(() => this.build());
     for (const signal of [app.clock.time, app.lit]) signal.after(() => this.view.invalidate());
     app.camera.watch((kind) => {
       this.cameras.show(kind);
@@ -47,7 +47,7 @@ export class TrackScene {
     return this.backdrop.cell;
   }
 
-  /** Where the drone of the first shown flight is. */
+  /** Position of the first drone that is drawn. */
   get place(): readonly number[] {
     return this.drones[0]?.group.position.toArray() ?? [];
   }
@@ -75,14 +75,14 @@ export class TrackScene {
   private addFlights(scenario: Scenario): void {
     const { app } = this;
     const theme = app.theme.value;
-    const shown = app.parts.traces.value.filter((trace) => app.shown.value.has(trace.id) && trace.time.values.length > 1);
+    const visible = app.parts.traces.value.filter((trace) => app.visible.value.has(trace.id) && trace.time.values.length > 1);
     const top = scenario.reference.speed.values.reduce((most, speed) => Math.max(most, speed), 1);
-    this.trails = shown.map((trace) => ({ id: trace.id, trail: new Trail(trace, theme, top) }));
-    this.drones = shown.map((trace, i) => new Drone(scenario, trace, flightColour(theme, trace.id), palette(theme), i > 0));
+    this.trails = visible.map((trace) => ({ id: trace.id, trail: new Trail(trace, theme, top) }));
+    this.drones = visible.map((trace, i) => new Drone(scenario, trace, flightColour(theme, trace.id), palette(theme), i > 0));
     for (const { trail } of this.trails) this.content.add(trail.group);
     for (const drone of this.drones) this.content.add(drone.group);
     for (const repeat of app.parts.repeats.value) {
-      if (app.shown.value.has(repeat.id)) this.content.add(crosses(repeat.failures.values, palette(theme).failure, palette(theme).face));
+      if (app.visible.value.has(repeat.id)) this.content.add(crosses(repeat.failures.values, palette(theme).failure, palette(theme).face));
     }
   }
 
@@ -95,7 +95,7 @@ export class TrackScene {
     this.backdrop.light(this.app.lit.value);
     this.cameras.update(time, this.drones[0]?.group.position ?? null);
     this.gates.declutter(this.cameras.camera, time);
-    const least = this.app.parts.scenario.value.arm;
+    const least = armOf(this.app.parts.scenario.value.rotors);
     for (const drone of this.drones) {
       const pixels = this.app.camera.value === "follow" ? FOLLOWED : DRONE;
       drone.resize(Math.max(least, this.cameras.metres(drone.group.position, pixels, this.view.height)));

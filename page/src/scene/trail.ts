@@ -1,4 +1,4 @@
-/** Trail: the way that a flight has come; of the best coloured by speed, of the others in one colour. */
+/** Trail: the path of a flight up to the clock; of the best parameters coloured by speed, of the others in one colour. */
 import { Color, Group, SRGBColorSpace } from "three";
 import type { Theme } from "../app";
 import { flightColour, viridis } from "../colours";
@@ -32,13 +32,13 @@ export class Trail {
     this.group.add(this.flown);
   }
 
-  /** Shows the way up to a time [s]. */
+  /** Shows the path up to a time [s]. */
   update(time: number): void {
     reveal(this.flown, Math.ceil(find(this.trace.time.values, time) / this.stride));
   }
 }
 
-/** Light as the scene reckons with it. */
+/** A colour in the linear space of the scene. */
 function linear(colour: readonly [number, number, number]): number[] {
   return new Color().setRGB(...colour, SRGBColorSpace).toArray();
 }

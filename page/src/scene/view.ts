@@ -1,4 +1,4 @@
-/** View: a canvas that is drawn when something changed; less finely while it moves where that takes long, and finely when it rests. */
+/** View: a canvas that is drawn only after a change; in a lower resolution while it moves on slow machines, in full when it rests. */
 import { Color, type PerspectiveCamera, Scene, WebGLRenderer } from "three";
 import { RESOLUTION } from "./lines";
 
@@ -59,7 +59,7 @@ export class View {
     });
   }
 
-  /** A picture of what is seen, for print. */
+  /** An image of the present view, for print. */
   still(): string {
     this.draw(2);
     return this.canvas.toDataURL("image/png");
@@ -97,7 +97,7 @@ export class View {
   }
 }
 
-/** Whether the processor draws, which is slow to smooth edges. */
+/** Whether there is no graphics card: smoothing edges by the processor is slow. */
 function withoutCard(): boolean {
   const context = document.createElement("canvas").getContext("webgl2");
   if (!context) return false;

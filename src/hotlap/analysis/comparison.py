@@ -21,6 +21,7 @@ from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule
 from hotlap.study.configuration import Configuration
+from hotlap.system.journal import Journal
 from hotlap.tuners.tuner import Tuner
 from hotlap.tuning.loop import Batch, Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -51,7 +52,7 @@ class Cell:
 
     @cached_property
     def key(self) -> str:
-        """Changes whenever something changes that decides about a run, its seed apart."""
+        """Changes with everything that decides about a run, but for its seed and the source code."""
         tuner = tuners.build(self.tuner)
         scenario = scenario_for(prepare(self.race, segments=self.segments), tuner)
         first, goal = first_guess(scenario, self.first_guess), self.settings.goal
@@ -154,6 +155,20 @@ class Timed:
     def restore(self, state: dict[str, Any]) -> None:
         """Refused: there is nothing to go on from."""
         raise NotImplementedError
+
+
+class RunJournal(Journal):
+    """Runs by the key of their cell and their seed, a line each."""
+
+    file = "runs.jsonl"
+    done: dict[tuple[str, int], Run]
+
+    def _plain(self, key: tuple[str, int], value: Run) -> dict[str, Any]:
+        return {"key": key[0], "run": value.dump()}
+
+    def _parsed(self, plain: Any) -> tuple[tuple[str, int], Run]:
+        run = Run.load(plain["run"])
+        return (plain["key"], run.seed), run
 
 
 @dataclass

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from multiprocessing import parent_process
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,9 +61,14 @@ class Lesson:
     vehicle: str
 
     @property
+    def name(self) -> str:
+        """For people, and not shared by two lessons."""
+        return f"{self.race.name} flown by {self.vehicle} ({self.race.fingerprint})"
+
+    @property
     def key(self) -> str:
         """Changes with everything in the race, and with how it is tuned."""
-        return f"{self.race.fingerprint} {TUNER} {SEEDS} {BUDGET} {CONFIRM} {VALIDATION} {FLIGHTS} {__version__}"
+        return f"{self.race.fingerprint} {TUNER} {SEEDS} {BUDGET} {CONFIRM} {VALIDATION} {FLIGHTS}"
 
 
 def lessons() -> tuple[Lesson, ...]:
@@ -100,8 +106,8 @@ def _flown_by(vehicle: str) -> Race:
     return base.model_copy(update={**changes, "planning": planning})
 
 
-class Tuned(Described):
-    """What became of a lesson.
+class TunedRace(Described):
+    """What was found by tuning the race of a lesson.
 
     Attributes:
         features: of the race, in the order of `RACE_FEATURES`.
@@ -123,8 +129,8 @@ class Tuned(Described):
         return (*self.optima, *([self.tuned] if self.tuned else []))
 
 
-def tune_lesson(lesson: Lesson) -> Iterator[Tuned | None]:
-    """Tune a race with several seeds; None where there is no plan."""
+def tune_lesson(lesson: Lesson) -> Iterator[dict[str, Any] | None]:
+    """Tune a race with several seeds: a `TunedRace` as plain JSON; None where there is no plan."""
     try:
         scenario = scenario_for(prepare(lesson.race), tuners.build(TUNER))
     except PlanningError:
@@ -139,13 +145,14 @@ def tune_lesson(lesson: Lesson) -> Iterator[Tuned | None]:
     optima = tuple(map(_rounded, confirmed))
     tuned, validated = _steadiest(objective, optima) if optima else (None, 0.0)
     pieces, rows = scenario.segments.pieces, piece_features(scenario, PIECE_FEATURES)
-    yield Tuned(
+    tuned_race = TunedRace(
         features=_rounded(race_features(scenario, RACE_FEATURES)),
         pieces=tuple(TrainingPiece(kind=piece.kind, features=_rounded(row)) for piece, row in zip(pieces, rows, strict=True)),
         optima=optima,
         tuned=tuned,
         validated=validated,
     )
+    yield tuned_race.model_dump(mode="json")
 
 
 def _steadiest(objective: Objective, optima: Sequence[tuple[float, ...]]) -> tuple[tuple[float, ...], float]:
@@ -164,13 +171,13 @@ def fly_lesson(work: tuple[Lesson, Sequence[tuple[float, ...]]]) -> Iterator[tup
     yield "".join(map(str, passed.tolist())), "".join(map(str, completed.tolist()))
 
 
-def candidates_of(tuned: Iterable[Tuned], default: Iterable[float]) -> tuple[tuple[float, ...], ...]:
+def candidates_of(tuned: Iterable[TunedRace], default: Iterable[float]) -> tuple[tuple[float, ...], ...]:
     """The default, and all that was tuned, each once."""
     return tuple(dict.fromkeys([tuple(default), *(values for result in tuned for values in result.candidates)]))
 
 
 def assemble(
-    lessons: Sequence[Lesson], tuned: Sequence[Tuned], candidates: tuple[tuple[float, ...], ...], flown: Sequence[tuple[str, str]]
+    lessons: Sequence[Lesson], tuned: Sequence[TunedRace], candidates: tuple[tuple[float, ...], ...], flown: Sequence[tuple[str, str]]
 ) -> TrainingSet:
     """Everything together, for lessons that have a plan."""
     races = tuple(

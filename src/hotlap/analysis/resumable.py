@@ -1,72 +1,143 @@
-"""Context: what an experiment is run with; its pieces of work are spread over the cores, and kept as soon as each is done."""
+"""Resumable jobs: pieces of work spread over the cores, whose results are kept in a folder as soon as each is there.
+
+What is kept is not computed again, unless the source code that decides about it has changed since.
+"""
 
 from __future__ import annotations
 
 import hashlib
-import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from hotlap.analysis.comparison import Cell, Run, fly_cells, missing
-from hotlap.analysis.runs_file import RunsFile
-from hotlap.core.version import __version__
-from hotlap.system.journal import LinesFile
+from hotlap.analysis.comparison import Cell, Run, RunJournal, fly_cells, missing
+from hotlap.system.disk_cache import digest_sources
+from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
+from hotlap.system.processors import available
+
+SOURCES = tuple(  # packages that decide about a flight, and so about all that is computed from flights
+    f"hotlap.{name}"
+    for name in ("core", "dynamics", "race", "reference", "flight", "planning", "worlds", "tuners", "tuning", "first_guess")
+)
 
 Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]
 """(unit, wanted, done) -> a context, in which to call what it gives with a few words on each piece that has ended."""
 
 
-@dataclass(frozen=True)
-class Context:
-    """Where and how an experiment is run.
+@contextmanager
+def unseen(_unit: str, _wanted: int, _done: int) -> Iterator[Callable[[str], None]]:
+    """Progress that shows nothing."""
+    yield lambda _words: None
+
+
+def describe_run(run: Run) -> str:
+    """A run in few words."""
+    return f"{run.race} by {run.tuner}"
+
+
+def digest_code(module: str) -> str:
+    """Sixteen hexadecimal digits that change with the source code that decides about a result.
+
+    Args:
+        module: dotted name of the one that computes it, beside `SOURCES`.
+    """
+    return digest_sources(*SOURCES, module)
+
+
+@dataclass
+class ResumableJobs:
+    """Where and how jobs are run; the same jobs in the same folder continue after an interruption.
 
     Attributes:
-        folder: of the experiment: what is done is kept here, and its page and pictures are written.
-        quick: the short form, under a minute.
-        jobs: processes; 0 for one a processor.
+        folder: where results are kept, made if there is none.
+        processes: how many work at once; 0 for one a processor.
         progress: shows how far it is.
+        note: called with a line that a person should know of.
     """
 
     folder: Path
-    quick: bool
-    jobs: int
-    progress: Progress
+    processes: int = 0
+    progress: Progress = unseen
+    note: Callable[[str], None] = lambda _line: None
+    _warned: bool = field(default=False, init=False)
 
     def each(self, unit: str, pieces: Mapping[str, Any], work: Callable[[Any], Iterable[Any]]) -> dict[str, Any]:
-        """Results of pieces of work by key; those that are kept are not done again.
+        """Results of pieces of work by name; those that are kept are not computed again.
 
         Args:
             unit: what the pieces are, in the plural.
-            pieces: by names for people; plain values, everything in which decides about a result and is kept with it.
-            work: gives one result of plain JSON for a piece; a function of a module, so that workers find it.
+            pieces: by names for people; plain values that hold everything that decides about a result, the code apart.
+            work: gives one result of plain JSON for a piece; a function of a module, so that worker processes find it.
         """
-        whole = {key: f"{key} #{_digest(work.__name__, piece)}" for key, piece in pieces.items()}
-        with LinesFile.opened(self.folder) as kept:
-            names = {id(piece): key for key, piece in pieces.items() if whole[key] not in kept.done}
-            with self.progress(unit, len(pieces), len(pieces) - len(names)) as say:
-                for piece, result in spread(work, [pieces[key] for key in names.values()], self.jobs):
-                    kept.add(whole[names[id(piece)]], result)
-                    say(names[id(piece)])
-            return {key: kept.done[whole[key]] for key in pieces}
+        keys = {name: f"{name} #{_digest(work.__name__, piece)}" for name, piece in pieces.items()}
+        with Journal.opened(self.folder, digest_code(work.__module__)) as kept:
+            names = {id(pieces[name]): name for name, key in keys.items() if key not in kept.done}
 
-    def compare(self, cells: Sequence[Cell]) -> list[Run]:
-        """Runs of tuners, in the order of the cells; those that are kept are not flown again."""
-        with RunsFile.opened(self.folder) as kept:
-            keys = {id(cell): cell.key for cell in cells}
-            named = {(cell.race.name, cell.tuner, cell.segments, cell.first_guess): keys[id(cell)] for cell in cells}
-            groups = missing(cells, kept.done, self.jobs or os.cpu_count() or 1)
-            wanted, left = (sum(len(cell.seeds) for cell in some) for some in (cells, [cell for group in groups for cell in group]))
-            with self.progress("runs", wanted, wanted - left) as say:
-                for _, (cell, run) in spread(fly_cells, groups, self.jobs):
-                    kept.add((named[cell.race.name, cell.tuner, cell.segments, cell.first_guess], run.seed), run)
-                    say(f"{run.race} by {run.tuner}")
-            return [kept.done[keys[id(cell)], seed] for cell in cells for seed in cell.seeds]
+            def keep(piece: Any, result: Any) -> str:
+                name = names[id(piece)]
+                kept.add(keys[name], result)
+                return name
+
+            self._run(kept, unit, keys.values(), [pieces[name] for name in names.values()], work, keep)
+            return {name: kept.done[key] for name, key in keys.items()}
+
+    def compare(self, cells: Sequence[Cell], describe: Callable[[Run], str] = describe_run) -> list[Run]:
+        """Runs of tuners, in the order of the cells; those that are kept are not flown again.
+
+        Args:
+            cells: no two of the same race, tuner, segmentation rule and first guess.
+            describe: words for the progress on a run that has ended.
+        """
+        keys = {_combination(cell): cell.key for cell in cells}
+        wanted = [(keys[_combination(cell)], seed) for cell in cells for seed in cell.seeds]
+        with RunJournal.opened(self.folder, digest_code(fly_cells.__module__)) as kept:
+            groups = missing(cells, kept.done, self.processes or available())
+            if before := sum(key in kept.done for key in wanted):
+                self.note(f"{kept.path}: {before} of {len(wanted)} runs are there already")
+
+            def keep(_group: Any, result: tuple[Cell, Run]) -> str:
+                cell, run = result
+                kept.add((keys[_combination(cell)], run.seed), run)
+                return describe(run)
+
+            self._run(kept, "runs", wanted, groups, fly_cells, keep)
+            return [kept.done[key] for key in wanted]
+
+    def _run(
+        self,
+        kept: Journal,
+        unit: str,
+        wanted: Collection[Any],
+        pieces: Sequence[Any],
+        work: Callable[[Any], Iterable[Any]],
+        keep: Callable[[Any, Any], str],
+    ) -> None:
+        """The loop over what is missing.
+
+        Args:
+            kept: results so far.
+            unit: what is counted.
+            wanted: keys of all results asked for.
+            pieces: of work that give those that are missing.
+            work: gives the results of a piece.
+            keep: adds a result of a piece to `kept`, and says in a few words what it is.
+        """
+        if not self._warned and any(key in kept.stale for key in wanted):
+            self._warned = True
+            self.note(f"{kept.path}: results of other source code than this are not used; they are computed again")
+        with self.progress(unit, len(wanted), sum(key in kept.done for key in wanted)) as say:
+            for piece, result in spread(work, pieces, self.processes):
+                say(keep(piece, result))
+
+
+def _combination(cell: Cell) -> tuple[str, str, str, str]:
+    """What tells the cells of one comparison apart."""
+    return cell.race.name, cell.tuner, cell.segments, cell.first_guess
 
 
 def _digest(*values: Any) -> str:
-    """Sixteen hexadecimal digits that change with anything in the values, or with the version."""
-    return hashlib.sha256(repr((__version__, *values)).encode()).hexdigest()[:16]
+    """Sixteen hexadecimal digits that change with anything in the values."""
+    return hashlib.sha256(repr(values).encode()).hexdigest()[:16]

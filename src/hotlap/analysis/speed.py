@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import statistics
 import time
@@ -19,6 +18,7 @@ from hotlap.flight.fly import Effort, fly_batch
 from hotlap.flight.numbers import Numbers, best_numbers
 from hotlap.planning.preparation import prepare
 from hotlap.reference.scenario import Scenario
+from hotlap.system.processors import available
 
 RACE = "circle-34"
 SPREAD = 0.5  # of the logarithm of each parameter around the default: what a tuner meets
@@ -82,7 +82,7 @@ def measure(report: Callable[[str], None]) -> Bench:
     Args:
         report: told what is being done, as each of `STAGES` begins.
     """
-    scenario, lanes, threads = prepare(RACE), best_numbers(), os.cpu_count() or 1
+    scenario, lanes, threads = prepare(RACE), best_numbers(), available()
     rng = np.random.default_rng(0)
     scattered = _scatter(scenario, rng)
     for numbers in (Numbers.FLOAT64, lanes):

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
-from hotlap.analysis.comparison import Cell, Run, budget_of, fly_cells, missing
+from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of
 from hotlap.analysis.comparison_table import Row, markdown, overall, rows_of
-from hotlap.analysis.runs_file import RunsFile
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.api.asked import Asked
 from hotlap.api.inputs import one_of
 from hotlap.api.outcome import Outcome
+from hotlap.api.rates import Flown
 from hotlap.api.scenarios import load, make_ready, make_scenario
 from hotlap.api.wording import count, percent
 from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
 from hotlap.first_guess.names import NAMES
 from hotlap.race.race import Race
 from hotlap.reference.segmentation_rule import SegmentationRule
-from hotlap.system.process_pool import spread
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
@@ -106,10 +105,8 @@ def carry_out(asked: Asked) -> ComparisonResult:
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of a comparison")
     with asked.remarked("go on"):
-        with RunsFile.opened(folder) as kept:
-            _fly(cells, kept, asked)
-        keys = {cell.key: cell for cell in cells}
-        runs = tuple(kept.done[key, seed] for key, cell in keys.items() for seed in cell.seeds)
+        jobs = ResumableJobs(folder, asked.jobs, asked.progress.pieces, asked.progress.note)
+        runs = tuple(jobs.compare(cells, Flown()))
         pictures = _write(folder, runs, asked)
         page = _write_page(folder, runs, pictures, asked)
     return ComparisonResult(
@@ -175,20 +172,6 @@ def _budgets(text: str) -> Mapping[str, int]:
     return budgets
 
 
-def _fly(cells: Sequence[Cell], kept: RunsFile, asked: Asked) -> None:
-    """Fly what is missing, and keep every run as it ends."""
-    keys = {(cell.race.name, cell.tuner): cell.key for cell in cells}
-    wanted = sum(len(cell.seeds) for cell in cells)
-    groups = missing(cells, kept.done, asked.jobs or os.cpu_count() or 1)
-    before = wanted - sum(len(cell.seeds) for group in groups for cell in group)
-    if before:
-        asked.progress.note(f"{kept.path}: {before} of {wanted} runs are there already")
-    with asked.progress.runs(wanted, before) as watch:
-        for _, (cell, run) in spread(fly_cells, groups, asked.jobs):
-            kept.add((keys[cell.race.name, cell.tuner], run.seed), run)
-            watch(run)
-
-
 def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
     """The tables and pictures."""
     (folder / TABLE).write_text(f"{markdown(overall(runs))}\n{markdown(rows_of(runs))}", encoding="utf-8")
@@ -203,10 +186,10 @@ def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
 
 def _write_page(folder: Path, runs: Sequence[Run], pictures: Sequence[Path], asked: Asked) -> Path | None:
     """The same as one page that opens anywhere."""
-    from hotlap.report.comparison_article import describe_comparison  # noqa: PLC0415  only where there is something to show
+    from hotlap.report.comparison import compose_article  # noqa: PLC0415  only where there is something to show
 
     try:
-        replace(folder / PAGE, describe_comparison(runs, pictures, RunsFile.file, asked.command()).html)
+        replace(folder / PAGE, compose_article(runs, pictures, RunJournal.file, asked.command()).html)
     except (HotlapError, OSError) as error:
         asked.progress.note(f"note: no page: {error}")
         return None

@@ -7,7 +7,6 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from hotlap.analysis.comparison import Run
     from hotlap.tuning.loop import Batch
 
 
@@ -34,15 +33,16 @@ class Progress(Protocol):
         """
         ...
 
-    def runs(self, wanted: int, done: int) -> AbstractContextManager[Callable[[Run], None]]:
-        """The runs of a comparison.
+    def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:
+        """Pieces of work, as the runs of a comparison.
 
         Args:
+            unit: what they are, in the plural.
             wanted: how many in all.
             done: how many of them were there before.
 
         Returns:
-            A context that gives the function to be called after each run.
+            A context that gives the function to be called with a few words on each piece that has ended.
         """
         ...
 
@@ -61,6 +61,6 @@ class Quiet:
         """Nothing."""
         return nullcontext(lambda _: None)
 
-    def runs(self, wanted: int, done: int) -> AbstractContextManager[Callable[[Run], None]]:  # noqa: ARG002
+    def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:  # noqa: ARG002
         """Nothing."""
         return nullcontext(lambda _: None)

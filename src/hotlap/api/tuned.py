@@ -166,7 +166,8 @@ def _configure(asked: Asked) -> tuple[World, Configuration]:
     with asked.remarked("begin again"):
         scenario = scenario_for(make_scenario(load(asked.race, asked.controller), asked), tuner)
     first = read_guess(str(asked.first_guess), scenario, asked.progress)
-    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first)
+    name = str(asked.first_guess)
+    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first, first_guess_name=name)
 
 
 def _goal(text: str) -> Goal:

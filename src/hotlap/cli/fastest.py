@@ -13,7 +13,7 @@ import numpy as np
 
 from hotlap import tuners, worlds
 from hotlap.analysis.fastest import RELIABLE, PlanSettings, fastest, judge_plan, try_plan
-from hotlap.analysis.resumable import Context
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds
 from hotlap.cli.flying import load, make_kind_ready
@@ -56,8 +56,8 @@ def run(options: Namespace) -> int:
     words = ["hotlap", "tune", *options.arguments, *([] if options.out is not None else ["--out", str(folder)])]
     with remark(f"nothing is lost; go on with: {shlex.join(words)}"):
         make_kind_ready(worlds.build(options.on), race.controller.kind)
-        context = Context(folder, quick=False, jobs=0, progress=follow_pieces)
-        do, judge = (partial(context.each, unit, work=work) for unit, work in (("plans", try_plan), ("winners", judge_plan)))
+        jobs = ResumableJobs(folder, progress=follow_pieces, note=note)
+        do, judge = (partial(jobs.each, unit, work=work) for unit, work in (("plans", try_plan), ("winners", judge_plan)))
         best = fastest(race, tuner, settings, do, judge, ROUNDS)
     if best is None:
         note(f"hotlap: {race.name}: no plan was found that passes every gate in {percent(RELIABLE)} of the flights")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import shlex
 from argparse import Namespace
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-from hotlap.analysis.learning import Lesson, Tuned, assemble, candidates_of, fly_lesson, lessons, tune_lesson
+from hotlap.analysis.learning import Lesson, TunedRace, assemble, candidates_of, fly_lesson, lessons, tune_lesson
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
@@ -19,8 +18,7 @@ from hotlap.files.descriptions import load_race
 from hotlap.files.error_messages import check
 from hotlap.first_guess.training_set import TrainingSet, write_training_set
 from hotlap.race.controllers import TUNABLE, ControllerKind
-from hotlap.system.journal import LinesFile
-from hotlap.system.process_pool import spread
+from hotlap.system.journal import Journal
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
@@ -37,8 +35,7 @@ def run(options: Namespace) -> int:
     asked = _lessons(options.races) if options.races else lessons()
     with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'learn', *options.arguments])}"):
         make_kind_ready(BuiltIn(), asked[0].race.controller.kind)
-        with LinesFile.opened(folder) as kept:
-            training = _learn(asked, kept, options.jobs)
+        training = _learn(asked, ResumableJobs(folder, options.jobs, follow_pieces, note))
     path = folder / FILE
     replace(path, write_training_set(training))
     held = sum(race.tuned is not None for race in training.races)
@@ -62,29 +59,15 @@ def _lessons(names: Sequence[str]) -> tuple[Lesson, ...]:
     return tuple({lesson.key: lesson for lesson in (Lesson(race, race.vehicle.name) for race in races)}.values())
 
 
-def _learn(asked: Sequence[Lesson], kept: LinesFile, jobs: int) -> TrainingSet:
-    """Both steps, each race of which is kept as soon as it is there."""
-    _work("races to tune", kept, {f"tuned {lesson.key}": lesson for lesson in asked}, tune_lesson, jobs)
-    done = [(lesson, kept.done[f"tuned {lesson.key}"]) for lesson in asked]
-    planned = [(lesson, check(Tuned, plain, str(kept.path))) for lesson, plain in done if plain is not None]
-    for lesson, plain in done:
-        if plain is None:
+def _learn(asked: Sequence[Lesson], jobs: ResumableJobs) -> TrainingSet:
+    """Tune the races, then fly all that was found in each of them."""
+    done = jobs.each("races to tune", {lesson.name: lesson for lesson in asked}, tune_lesson)
+    planned = [(one, check(TunedRace, done[one.name], str(jobs.folder / Journal.file))) for one in asked if done[one.name] is not None]
+    for lesson in asked:
+        if done[lesson.name] is None:
             note(f"note: {lesson.race.name} flown by {lesson.vehicle} is left out: it has no plan")
     if not planned:
         raise HotlapError("none of the races has a plan")
     candidates = candidates_of([tuned for _, tuned in planned], planned[0][0].race.controller.default)
-    mark = hashlib.sha256(repr(candidates).encode()).hexdigest()[:16]
-    work = {f"flown {mark} {lesson.key}": (lesson, candidates) for lesson, _ in planned}
-    _work("races to fly", kept, work, fly_lesson, jobs)
-    flown = [kept.done[key] for key in work]
-    return assemble([lesson for lesson, _ in planned], [tuned for _, tuned in planned], candidates, flown)
-
-
-def _work(unit: str, kept: LinesFile, wanted: Mapping[str, Any], work: Callable[[Any], Iterable[Any]], jobs: int) -> None:
-    """Do what is missing, by key, and keep each result."""
-    keys = {id(piece): key for key, piece in wanted.items() if key not in kept.done}
-    with follow_pieces(unit, len(wanted), len(wanted) - len(keys)) as say:
-        for piece, result in spread(work, [wanted[key] for key in keys.values()], jobs):
-            kept.add(keys[id(piece)], result.model_dump(mode="json") if isinstance(result, Tuned) else result)
-            lesson = piece if isinstance(piece, Lesson) else piece[0]
-            say(f"{lesson.race.name} flown by {lesson.vehicle}")
+    flown = jobs.each("races to fly", {lesson.name: (lesson, candidates) for lesson, _ in planned}, fly_lesson)
+    return assemble([lesson for lesson, _ in planned], [tuned for _, tuned in planned], candidates, list(flown.values()))

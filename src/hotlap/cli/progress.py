@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from hotlap.api.rates import Rate
 from hotlap.api.wording import percent
 from hotlap.cli.output import Plain, note, working
 from hotlap.core.success_rate import Validation
 
 if TYPE_CHECKING:
-    from hotlap.analysis.comparison import Run
-    from hotlap.tuning.loop import Batch, Candidate
+    from hotlap.tuning.candidate import Candidate
+    from hotlap.tuning.loop import Batch
 
 INTERVAL = 5.0  # s between lines
 
@@ -29,7 +30,7 @@ def follow(budget: int, flown: int) -> Iterator[Callable[[Batch], None]]:
 
     Args:
         budget: flights at most.
-        flown: flights of earlier sittings.
+        flown: flights before this run of the program.
 
     Yields:
         What to call after each batch.
@@ -45,10 +46,10 @@ def follow(budget: int, flown: int) -> Iterator[Callable[[Batch], None]]:
         rate = Rate(flown)
 
         def watch(batch: Batch) -> None:
-            """Move the bar, and say above it what did not hold."""
+            """Move the bar, and report above it validations that failed."""
             progress.update(task, completed=batch.flights, state=f"{describe(batch.best)}, {rate(batch.flights)}")
-            for validation in batch.fallen:
-                progress.console.print(fell(validation), markup=False, highlight=False)
+            for validation in batch.failed_validations:
+                progress.console.print(describe_failure(validation), markup=False, highlight=False)
 
         yield watch
 
@@ -60,7 +61,7 @@ def follow_pieces(unit: str, wanted: int, done: int) -> Iterator[Callable[[str],
     Args:
         unit: what they are, in the plural.
         wanted: how many in all.
-        done: how many of them in earlier sittings.
+        done: how many of them before this run of the program.
 
     Yields:
         What to call with a few words on each piece that has ended.
@@ -96,21 +97,13 @@ def follow_stages(wanted: int) -> Iterator[Callable[[str], None]]:
         yield lambda words: progress.update(task, completed=next(behind), state=words)
 
 
-@contextmanager
-def follow_runs(wanted: int, done: int) -> Iterator[Callable[[Run], None]]:
-    """Show the runs of a comparison; yields what to call after each run."""
-    counts = Flown()
-    with follow_pieces("runs", wanted, done) as say:
-        yield lambda run: say(counts(run))
-
-
 class Terminal:
     """The progress of the calls of `hotlap.api`, on standard error; see `hotlap.api.progress.Progress`."""
 
     note = staticmethod(note)
     working = staticmethod(working)
     flights = staticmethod(follow)
-    runs = staticmethod(follow_runs)
+    pieces = staticmethod(follow_pieces)
 
 
 TERMINAL = Terminal()
@@ -156,39 +149,6 @@ class Tally:
             note(f"{self._done} of {self._wanted} {self._unit}, now {words}")
 
 
-class Flown:
-    """Counts the flights of runs.
-
-    Args:
-        clock: [s]
-    """
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._flights, self._rate = 0, Rate(0, clock)
-
-    def __call__(self, run: Run) -> str:
-        """Count a run; in few words, what it was and how fast flights are."""
-        self._flights += run.flights + run.validation
-        return f"{run.race} by {run.tuner}, {self._rate(self._flights)}"
-
-
-class Rate:
-    """Flights per second since it was made.
-
-    Args:
-        flown: flights so far.
-        clock: [s]
-    """
-
-    def __init__(self, flown: int, clock: Callable[[], float] = time.monotonic) -> None:
-        self._flown, self._clock, self._start = flown, clock, clock()
-
-    def __call__(self, flights: int) -> str:
-        """For people, as of now."""
-        elapsed = self._clock() - self._start
-        return f"{(flights - self._flown) / elapsed:.3g} flights/s" if elapsed > 0 else "- flights/s"
-
-
 class Lines:
     """Progress for logs: one line every few seconds, and one when the search has ended.
 
@@ -204,8 +164,8 @@ class Lines:
 
     def __call__(self, batch: Batch) -> None:
         """Say how it stands, if it is time."""
-        for validation in batch.fallen:
-            note(fell(validation))
+        for validation in batch.failed_validations:
+            note(describe_failure(validation))
         if batch.done or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
             note(f"{batch.flights} of {self._budget} flights, best so far: {describe(batch.best)}, {self._rate(batch.flights)}")
@@ -217,6 +177,6 @@ def describe(best: Candidate) -> str:
     return f"completion {percent(best.completion)}{cost}{', confirmed' if best.confirmed else ''}"
 
 
-def fell(validation: Validation) -> str:
-    """A candidate that was confirmed and did not hold."""
+def describe_failure(validation: Validation) -> str:
+    """A confirmed candidate whose validation failed."""
     return f"a confirmed candidate held in {percent(validation.rate)} of {validation.flights} flights only; the search goes on"

@@ -7,15 +7,15 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from hotlap.analysis.resumable import Context
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
 from hotlap.core.errors import InputError, StudyError
 from hotlap.race.controllers import ControllerKind
+from hotlap.report.article import Article
 from hotlap.reproduce.experiments import EXPERIMENTS, perform
-from hotlap.reproduce.page import Page
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
@@ -34,9 +34,9 @@ def run(options: Namespace) -> int:
         make_kind_ready(BuiltIn(), ControllerKind.MPC)
         for name in EXPERIMENTS if options.experiment == "all" else (options.experiment,):
             note(f"{name}:")
-            context = Context(folder / (f"{name}-quick" if options.quick else name), options.quick, options.jobs, follow_pieces)
-            page = perform(name, context)
-            paths = _write(context.folder, page)
+            jobs = ResumableJobs(folder / (f"{name}-quick" if options.quick else name), options.jobs, follow_pieces, note)
+            page = perform(name, jobs, quick=options.quick)
+            paths = _write(jobs.folder, page)
             pages.append((name, page, paths))
     document = {"experiments": {name: _dump(page, paths) for name, page, paths in pages}}
     lines = [line for _, page, paths in pages for line in (page.title, *(f"  {one}" for one in (*paths, *page.pictures)))]
@@ -44,7 +44,7 @@ def run(options: Namespace) -> int:
     return 0
 
 
-def _write(folder: Path, page: Page) -> tuple[Path, Path]:
+def _write(folder: Path, page: Article) -> tuple[Path, Path]:
     """The page in both its forms."""
     paths = folder / PAGE, folder / WEB
     for path, content in zip(paths, (page.markdown, page.html), strict=True):
@@ -52,6 +52,6 @@ def _write(folder: Path, page: Page) -> tuple[Path, Path]:
     return paths
 
 
-def _dump(page: Page, paths: tuple[Path, Path]) -> dict[str, Any]:
+def _dump(page: Article, paths: tuple[Path, Path]) -> dict[str, Any]:
     """What `--json` says of a page."""
     return {"page": str(paths[0]), "html": str(paths[1]), "pictures": [str(one) for one in page.pictures]}

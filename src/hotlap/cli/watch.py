@@ -20,8 +20,7 @@ def run(options: Namespace) -> int:
     with Study.read(options.study) as study:
         world = worlds.build(study.configuration.world)
         make_ready(world, study.configuration.scenario)
-    from hotlap.report.page.live import LiveStudy  # noqa: PLC0415  it loads the flight core
-    from hotlap.report.page.writing import load_template  # noqa: PLC0415
+    from hotlap.report.page.writing import LiveStudy, load_template  # noqa: PLC0415  they load the flight core
     from hotlap.report.server import Server  # noqa: PLC0415
 
     load_template()  # a page that was not built is said here, not to the browser

@@ -1,4 +1,4 @@
-"""Any model of a node, linearised by CasADi in the controller's tangent coordinates, with what in the Jacobian is known beforehand."""
+"""Linearises any model of a node by CasADi, in the controller's tangent coordinates, and finds the constants of the Jacobian."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def difference(a: Expression, b: Expression) -> Expression:
 
 
 def linearised(node: ca.Function) -> ca.Function:
-    """A node around the plan at hand, and how far the plan is from the model; as `dynamics.linearised_node_map`, for any node map.
+    """A node map linearised around the plan, and the defect of the plan; as `models.linearised_node_map`, for any node map.
 
     (state, input, next state of the plan, deviation at this node, duration, bounds of the input, constants)
     -> input within its bounds, deviation at the next node, [A B] row by row, shape (117,).
@@ -52,7 +52,7 @@ def linearised(node: ca.Function) -> ca.Function:
 
 
 def pattern_of(node: ca.Function) -> Pattern:
-    """What in the Jacobian of a node map does not depend on anything; most of it is 0."""
+    """The entries of the Jacobian of a node map that are constants; most of them are 0."""
     symbols: list[Any] = [ca.SX.sym("x", 10), ca.SX.sym("u", 4), ca.SX.sym("h"), ca.SX.sym("c", node.size1_in(3))]
     jacobian = ca.densify(jacobian_of(node, *symbols))
     places = [(i, j) for i in range(TANGENT) for j in range(TANGENT_COLUMNS)]

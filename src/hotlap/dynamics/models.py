@@ -127,7 +127,7 @@ def _node(x: Expression, u: Expression, h: Expression, gravity: Expression) -> E
 def node_map() -> ca.Function:
     """The controller's model, (state p q v, thrust per mass and rates, duration, gravity) -> state after it (Eq. 3 of the paper).
 
-    It knows no drag, as the paper's controller.
+    It has no drag, as the paper's.
     """
     x, u, h, gravity = ca.SX.sym("x", 10), ca.SX.sym("u", 4), ca.SX.sym("h"), ca.SX.sym("g")
     return ca.Function("node_map", [x, u, h, gravity], [_node(x, u, h, gravity)], {"cse": True})
@@ -137,9 +137,10 @@ LEAST_THRUST = 1e-3  # m/s^2, so that the root below can be differentiated
 
 
 def drag_node_map() -> ca.Function:
-    """A model that knows the drags of the vehicle, (state p q v, thrust per mass and rates, duration, `MODEL`) -> state after it.
+    """The controller's model with the drags of the vehicle, (state p q v, thrust per mass and rates, duration, `MODEL`) -> state after it.
 
-    Half of the drag's push before the node and half behind it (Strang, SIAM J. Numer. Anal. 5, 1968). All rotors give the same thrust.
+    Half of the drag's impulse acts before the node and half behind it (Strang, SIAM J. Numer. Anal. 5, 1968). All rotors are taken to
+    give the same thrust.
     """
     x, u, h, constants = ca.SX.sym("x", 10), ca.SX.sym("u", 4), ca.SX.sym("h"), ca.SX.sym("c", sum(MODEL.values()))
     vehicle = _split(constants, MODEL)
@@ -176,7 +177,7 @@ def node_jacobian(x: Expression, u: Expression, h: Expression) -> Expression:
 
 
 def linearised_node_map() -> ca.Function:
-    """A node around the plan at hand, and how far the plan is from the model.
+    """The model of a node, linearised around the plan, and the defect: by how much the plan's next state differs from the model's.
 
     (state, input, next state of the plan, deviation at this node, duration, bounds of the input, gravity)
     -> input within its bounds, deviation at the next node, Jacobian as in `node_jacobian`.

@@ -1,4 +1,4 @@
-"""What the functions of `dynamics` take, without CasADi: parts of their vectors and how many numbers each has."""
+"""The layout of the vectors that the functions of `dynamics` take: named parts, in order, with how many numbers each has."""
 
 from __future__ import annotations
 
@@ -25,10 +25,16 @@ VEHICLE: Mapping[str, int] = {
 and down."""
 
 AUTOPILOT: Mapping[str, int] = {"mass": 1, "inertia": 3, "mixer": 16}
-"""What the rate loop believes; the mixer, row by row, takes (collective thrust, torques) to rotor thrusts."""
+"""The vehicle as the rate loop knows it; the mixer, row by row, turns (collective thrust, torques) into rotor thrusts."""
 
 MODEL: Mapping[str, int] = {"gravity": 1, "mass": 1, "drag": 3, "rotor_drag": 1, "body_drag": 3}
-"""What a controller's own model may know about the vehicle, as `Quadrotor` has it."""
+"""Parameters of the vehicle that a controller's model may use, as in `Quadrotor`."""
 
 DISTURBANCE: Mapping[str, int] = {"thrust_factor": 1, "wind": 3}
 """What differs from flight to flight: a factor of the thrust, and an acceleration [m/s^2] (world)."""
+
+
+def place_of(name: str, layout: Mapping[str, int]) -> int:
+    """Index of the first number of a named part of a vector."""
+    names = list(layout)
+    return sum(layout[before] for before in names[: names.index(name)])

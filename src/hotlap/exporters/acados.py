@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hotlap.core.errors import InputError
-from hotlap.exporters.tuned import Tuned, need_weights, read_tuned
+from hotlap.exporters.tuned import ExportedParameters, need_weights, read_tuned
 from hotlap.race.race import ReferenceTime
 from hotlap.study.study import Study
 from hotlap.system.text_files import replace
@@ -34,7 +34,7 @@ def write(study: Study, path: Path) -> tuple[Path, ...]:
     return path, code
 
 
-def weights(tuned: Tuned) -> dict[str, Any]:
+def weights(tuned: ExportedParameters) -> dict[str, Any]:
     """Everything about the cost that is flown, as plain values; weights are diagonals."""
     settings, race, reference = tuned.controller, tuned.scenario.race, tuned.scenario.reference
     lead = race.control_model.delay if settings.predict and settings.reference_time is ReferenceTime.EXECUTION else 0.0
@@ -64,7 +64,7 @@ def weights(tuned: Tuned) -> dict[str, Any]:
     }
 
 
-def _segments(tuned: Tuned) -> list[dict[str, Any]]:
+def _segments(tuned: ExportedParameters) -> list[dict[str, Any]]:
     """Horizon [s], node spacing [s] and diagonals of each segment; W_0 is that of every other stage."""
     thrust, tilt, yaw = tuned.controller.input_weights
     rows = []

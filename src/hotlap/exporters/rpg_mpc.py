@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from hotlap.exporters.tuned import Tuned, need_weights, read_tuned
+from hotlap.exporters.tuned import ExportedParameters, need_weights, read_tuned
 from hotlap.race.race import SegmentSwitch
 from hotlap.study.study import Study
 from hotlap.system.text_files import replace
@@ -43,7 +43,7 @@ def _row(key: str, values: Sequence[float]) -> str:
     return f"{key}: [{', '.join(map(number, values))}]"
 
 
-def _head(tuned: Tuned) -> list[str]:
+def _head(tuned: ExportedParameters) -> list[str]:
     """What the controller must be like for these numbers to mean what they meant here."""
     settings, race = tuned.controller, tuned.scenario.race
     segment_switch = SAID[settings.segment_switch].format(distance=settings.segment_switch_distance)
@@ -59,7 +59,7 @@ def _head(tuned: Tuned) -> list[str]:
     ]
 
 
-def _defaults(tuned: Tuned) -> list[str]:
+def _defaults(tuned: ExportedParameters) -> list[str]:
     """The first segment's, for a controller without lists."""
     first = dict(zip(tuned.scenario.space.names, tuned.values[tuned.scenario.segments.pieces[0].segment], strict=True))
     return [
@@ -70,7 +70,7 @@ def _defaults(tuned: Tuned) -> list[str]:
     ]
 
 
-def _fixed(tuned: Tuned) -> list[str]:
+def _fixed(tuned: ExportedParameters) -> list[str]:
     """What was not tuned."""
     settings = tuned.controller
     roll, pitch, yaw = settings.rates
@@ -89,14 +89,14 @@ def _fixed(tuned: Tuned) -> list[str]:
     return ["", "# Input costs and limits: m/s^2, rad/s", *(f"{key}: {number(value)}" for key, value in keys.items()), *camera]
 
 
-def _bounds(tuned: Tuned) -> list[str]:
+def _bounds(tuned: ExportedParameters) -> list[str]:
     """Within which it was tuned."""
     space = tuned.scenario.space
     rows = [_row(f"B_{SUFFIXES[name]}", (low, high)) for name, low, high in zip(space.names, space.low, space.high, strict=True)]
     return ["", "# Bounds", *rows]
 
 
-def _lists(tuned: Tuned) -> list[str]:
+def _lists(tuned: ExportedParameters) -> list[str]:
     """An entry for each piece of the reference, in the order flown; pieces that share a segment repeat its values."""
     pieces, names = tuned.scenario.segments.pieces, tuned.scenario.space.names
     said = [f"#   {i}: {piece.kind}, {piece.start:.2f} to {piece.end:.2f} s" for i, piece in enumerate(pieces)]

@@ -1,4 +1,4 @@
-"""Tuned: what a study has found, beside the scenario that it was found for."""
+"""Exported parameters: the tuned parameters of a study, with the scenario that they were tuned on."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from hotlap.study.study import Study
 
 
 @dataclass(frozen=True)
-class Tuned:
+class ExportedParameters:
     """Parameters as they were saved, and what flies with them.
 
     Attributes:
@@ -41,7 +41,7 @@ class Tuned:
         return (self.values[:, self.scenario.space.names.index("horizon")] * settings.horizon_unit / settings.nodes).tolist()
 
 
-def read_tuned(study: Study) -> Tuned:
+def read_tuned(study: Study) -> ExportedParameters:
     """The parameters that a study has ended with.
 
     Raises:
@@ -52,10 +52,10 @@ def read_tuned(study: Study) -> Tuned:
         reason = f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap tune --out {study.folder} goes on with it"
         raise InputError(str(study.folder), "", reason)
     scenario, saved = study.configuration.scenario, load_parameters(file)
-    return Tuned(scenario, saved, parameters_for(scenario, saved, str(file)))
+    return ExportedParameters(scenario, saved, parameters_for(scenario, saved, str(file)))
 
 
-def need_weights(tuned: Tuned, name: str) -> None:
+def need_weights(tuned: ExportedParameters, name: str) -> None:
     """Refuse parameters that are no weights of an MPC.
 
     Args:

@@ -1,1 +1,1 @@
-"""Files: what a user writes by hand, in and out, with one line that names file, key and reason for every fault."""
+"""Files: reading and writing the files of a user; an error is one line with file, key and reason."""

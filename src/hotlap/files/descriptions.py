@@ -1,6 +1,6 @@
-"""Files: tracks, quadrotors, races and tuned parameters as TOML, in and out.
+"""Descriptions: tracks, quadrotors, races and tuned parameters, read from and written to TOML files.
 
-This is the one place that reads what a user wrote, so that each fault is one line with the file, the key and the reason.
+No other module reads files of a user; an error is one line with the file, the key and the reason.
 A description may build on another (`base = "circle-34"`), and a race refers to its track and quadrotors by name, by path or
 by a table. Whatever is referred to is read and checked by itself first.
 """
@@ -33,7 +33,7 @@ Description = Track | Quadrotor | Race
 
 PARAMETERS_FILE = "parameters.toml"  # in a study's folder
 MAX_BYTES = 1_000_000  # a description takes a few thousand
-OWN = frozenset({"name", "provenance"})  # keys that a file does not take over from its base
+OWN = frozenset({"name", "provenance"})  # keys that a file does not inherit from its base
 
 
 TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kind.QUADROTOR: Quadrotor}
@@ -41,7 +41,7 @@ TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kin
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a table stands.
+    """Where a table is written.
 
     Attributes:
         label: what messages call the file.
@@ -88,7 +88,7 @@ def load_race(name_or_path: str | Path) -> Race:
 
 
 def load(name_or_path: str | Path) -> Description:
-    """A description of any kind: a file tells by its keys what it is; a name is looked up among races, tracks, quadrotors.
+    """A description of any kind: the keys of a file decide the kind; a name is looked up among races, tracks, quadrotors.
 
     Raises:
         InputError: with the file, the key and the reason.
@@ -240,7 +240,7 @@ def _build(kind: Kind, table: dict[str, Any], parent: Described | None, place: _
 
 
 def _with_present_names(description: type[Described], table: dict[str, Any], label: str, key: str) -> dict[str, Any]:
-    """A table with what its keys are called now; says so where a name of before was used."""
+    """A table with the present names of its keys; former names are replaced with a note to the user."""
     present = {}
     for name, value in table.items():
         new, dotted = description.renamed.get(name, name), f"{key}.{name}" if key else name
@@ -266,7 +266,7 @@ def _with_references(table: dict[str, Any], parent: Any, place: _Place) -> dict[
 
 
 def _overlay(parent: Described | None, table: dict[str, Any], dropped: frozenset[str] = frozenset()) -> dict[str, Any]:
-    """A table laid over a description: tables merge key by key, everything else replaces."""
+    """A description with changes: tables are merged key by key, all other values are replaced."""
     if parent is None:
         return table
     merged = {name: getattr(parent, name) for name in parent.model_fields_set - dropped}
@@ -284,7 +284,7 @@ def _own_keys(table: dict[str, Any]) -> dict[Kind, int]:
 
 
 def _refuse_other_kind(kind: Kind, table: dict[str, Any], label: str) -> None:
-    """Say so where a file describes something else than is wanted, before its keys are found fault with."""
+    """Refuse a file that describes another kind, before its keys are checked."""
     counts = _own_keys(table)
     other = max(counts, key=lambda each: counts[each])
     if counts[other] and not counts[kind]:

@@ -1,4 +1,4 @@
-"""Keys of the files as they are documented: name, unit, meaning and default, read from the descriptions themselves."""
+"""Documented keys: name, unit, meaning and default of every key of a file, read from the classes that describe the file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Any, get_args
 
 from hotlap.race.schema import Described
 
-_ENTRY = re.compile(r"^ {4,8}(\w+): (.*)$")
 _UNIT = re.compile(r"^\[([^\]]+)\]\s*")
 
 
@@ -23,8 +22,8 @@ class Key:
         unit: "" where it has none; "-" where it is a plain number.
         meaning: one sentence.
         required: whether a file must have it.
-        default: what holds without it; None: see `meaning`.
-        table: the description of its table, or None where it is a value.
+        default: value where the file does not have the key; None: see `meaning`.
+        table: the class that describes its table; None where the key has a plain value.
     """
 
     name: str
@@ -36,11 +35,10 @@ class Key:
 
 
 def documented_keys(description: type[Described]) -> tuple[Key, ...]:
-    """The keys of a description, in order."""
-    meanings = _meanings(description.__doc__ or "")
+    """The keys of a description in the order in which they are declared, from the docstrings below its fields."""
     keys = []
     for name, field in description.model_fields.items():
-        text = meanings.get(name, "")
+        text = " ".join((field.description or "").split())
         unit = _UNIT.match(text)
         default = None if field.is_required() else field.get_default(call_default_factory=True, validated_data={})
         meaning = _UNIT.sub("", text).rstrip(".").replace("None: ", "Without it: ")
@@ -51,7 +49,7 @@ def documented_keys(description: type[Described]) -> tuple[Key, ...]:
 
 
 def table_of(description: type[Described], name: str) -> type[Described] | None:
-    """The description that a key's value, or each of its items, has to satisfy; None for plain values."""
+    """The class that describes the table of a key, or each table of its list; None where the key has a plain value."""
     field = description.model_fields.get(name)
     candidates = [field.annotation] if field else []
     while candidates:
@@ -60,17 +58,3 @@ def table_of(description: type[Described], name: str) -> type[Described] | None:
             return candidate
         candidates += get_args(candidate)
     return None
-
-
-def _meanings(docstring: str) -> dict[str, str]:
-    """The entries below `Attributes:`; an indented line continues the entry above it."""
-    entries: dict[str, str] = {}
-    name = ""
-    for line in docstring.partition("Attributes:")[2].splitlines():
-        entry = _ENTRY.match(line)
-        if entry:
-            name = entry[1]
-            entries[name] = entry[2]
-        elif name and line.strip():
-            entries[name] += " " + line.strip()
-    return entries

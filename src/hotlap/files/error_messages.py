@@ -1,4 +1,4 @@
-"""Words for what is wrong in a file: pydantic's findings, said the way a person would."""
+"""Error messages: faults in a file, found by pydantic, as one line with key and reason."""
 
 from __future__ import annotations
 
@@ -59,14 +59,14 @@ def check(description: type[D], table: Mapping[str, Any], source: str, prefix: s
 
 
 def unknown_key(name: str, available: Sequence[str]) -> str:
-    """What to say about a key that is not known."""
+    """The message for an unknown key, with the nearest known one."""
     near = get_close_matches(name, available, n=1)
     hint = f" (did you mean {near[0]}?)" if near else ""
     return f"there is no such key{hint}; available: {', '.join(available)}"
 
 
 def show(value: Any) -> str:
-    """A value as it stands in the file, shortened."""
+    """A value as it is written in the file, shortened."""
     try:
         text = write_value(value)
     except (TypeError, ValueError, OverflowError):
@@ -75,12 +75,12 @@ def show(value: Any) -> str:
 
 
 def _encode(value: Any) -> Any:
-    """What JSON has no form for: descriptions, and TOML's dates as text."""
+    """Values that JSON does not have: descriptions as tables, TOML's dates as text."""
     return value.model_dump(mode="json", exclude_unset=True) if isinstance(value, Described) else str(value)
 
 
 def _refuse(error: ValidationError, description: type[Described], source: str, prefix: str) -> InputError:
-    """The first fault in words, and how many more there are."""
+    """The error for the first fault, with the number of further faults."""
     faults: list[tuple[str, str]] = []
     found = error.errors(include_url=False)
     for fault in sorted(found, key=lambda fault: fault["type"] != "extra_forbidden"):  # a misspelt key explains a missing one

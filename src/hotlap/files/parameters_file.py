@@ -1,4 +1,4 @@
-"""SavedParameters: tuned parameters as they are kept in `parameters.toml` and handed to others."""
+"""Parameters file: tuned parameters as they are saved in `parameters.toml`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SavedParameters:
         names: K names.
         segments: what the rows of `values` belong to.
         values: shape (S, K), in the units of the space.
-        provenance: what is worth knowing about their making: versions, seed, validated rate.
+        provenance: how they were found: versions, seed, success rate in the validation.
     """
 
     race: str

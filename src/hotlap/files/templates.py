@@ -1,4 +1,4 @@
-"""Commented files to start from: every key with its unit, its meaning and its default."""
+"""Templates: commented files to start from; every key with its unit, meaning and default."""
 
 from __future__ import annotations
 

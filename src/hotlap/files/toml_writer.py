@@ -1,4 +1,4 @@
-"""Writing TOML: the part of it that descriptions and parameters need; reading is `tomllib`'s."""
+"""TOML writer: for the types that descriptions and parameters need; `tomllib` reads them."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.race.race import GateRule, Race
+from hotlap.reference.reference import PERIOD
 from hotlap.reference.scenario import Scenario
 
 Floats = NDArray[np.float64]
@@ -51,7 +52,7 @@ def _slope(stretch: Stretch) -> float:
 
 
 OF_A_PIECE: Mapping[str, Callable[[Stretch], float]] = {
-    "points": lambda s: float(len(s.position)),
+    "points": lambda s: 1.0 + (len(s.position) - 1) * (s.period / PERIOD),  # as many as rows every 10 ms would be
     "slope": _slope,
     "rise": lambda s: float(s.position[-1, 2] - s.position[0, 2]),
     "mean_speed": lambda s: float(s.speed.mean()),

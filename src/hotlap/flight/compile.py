@@ -1,4 +1,4 @@
-"""Programs to LLVM, for any kind of number; CasADi functions to programs."""
+"""Translates CasADi functions into programs, and programs into LLVM code for any kind of number."""
 
 # pyright: reportCallIssue=false
 # Numba's decorators change what they decorate.

@@ -1,4 +1,4 @@
-"""The control loop around a controller: what it sees, predicts and remembers; the same for every controller."""
+"""The control loop around a controller: the measured state, its prediction over the dead time, and the commands given before."""
 
 from __future__ import annotations
 
@@ -40,15 +40,18 @@ def allocate_control_loop(commands: int, lanes: int, kind: type[np.floating[Any]
 
 @njit(**INLINE)
 def begin_control_loop(s: Settings, loop: ControlLoop, k: int) -> None:
-    """Set a lane up for a new flight: it has been hovering."""
+    """Prepare a lane for a new flight: the commands before it were those of hovering."""
     loop.history[:, :, k] = 0
     loop.history[:, 0, k] = s.gravity
 
 
 def predictor(propagate: Callable[..., None]) -> Any:
-    """With a model, the compiled (settings, constants of the model, loop): where the drone will be when the command acts.
+    """A compiled function of (settings, parameters of the model, loop) that predicts the state at the time when the command will act.
 
-    It goes through the commands that are on their way.
+    It integrates the model over the dead time, with the commands that were given before and act meanwhile.
+
+    Args:
+        propagate: the model: (state, input, duration, parameters, state after it).
     """
 
     @njit(**INLINE)
@@ -69,7 +72,7 @@ predict = predictor(compiled_dynamics("node_map"))
 
 @njit(**INLINE)
 def issue(p: ControlLoop, command: Any) -> None:
-    """Remember the command of this step."""
+    """Put the command of this control step at the head of the history."""
     for n in range(len(p.history) - 1, 0, -1):
         for a in range(4):
             p.history[n, a] = p.history[n - 1, a]

@@ -1,4 +1,4 @@
-"""Controller: the tuned controller by itself, for other simulators and for vehicles.
+"""Controller: the tuned controller alone, for other simulators and for real vehicles.
 
 It runs the same compiled functions as the flights that tuned it, in float64, one control step a call.
 """
@@ -31,7 +31,7 @@ MOST_AGE = 0.25  # s
 
 
 class Controller:
-    """Commands for a drone on a scenario.
+    """Computes the commands of one drone, control step by control step.
 
     Args:
         scenario: what is flown; its race's model and controller settings count, not its vehicle.
@@ -44,19 +44,19 @@ class Controller:
     def __init__(self, scenario: Scenario, parameters: Parameters) -> None:
         whole = np.array(np.broadcast_to(parameters, (len(scenario.segments), scenario.space.size)), dtype=np.float64)
         self._job, _ = prepare(scenario, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
-        self._settings = settings_of(scenario.race)._replace(stop_early=False)  # the same work at every step
-        self._known = scenario.race.control_model.delay if scenario.race.controller.predict else 0.0
+        self._settings = settings_of(scenario)._replace(stop_early=False)  # the same work at every step
+        self._dead_time = scenario.race.control_model.delay if scenario.race.controller.predict else 0.0
         kind = scenario.race.controller.kind
         self._memory = CONTROLLERS[kind].allocate(self._settings.nodes, 1, np.float64)
         self._begin, self._step = _steps(kind)
-        commands = math.ceil((self._known + MOST_AGE) / self._settings.period) + 2
-        self._pilot = allocate_control_loop(commands, 1, np.float64)
+        commands = math.ceil((self._dead_time + MOST_AGE) / self._settings.period) + 2
+        self._loop = allocate_control_loop(commands, 1, np.float64)
         self.reset()
 
     def reset(self) -> None:
-        """Forget the plan and the commands on their way: the drone has been hovering."""
+        """Start anew, from hovering: forget the plan and the commands given before."""
         self._piece, self._time = FRESH, -np.inf
-        self._begin(self._job, self._settings, self._memory, self._pilot)
+        self._begin(self._job, self._settings, self._memory, self._loop)
 
     def command(self, time: float, state: NDArray[np.float64], age: float = 0.0) -> NDArray[np.float64]:
         """The command for now: one control step; to be called every control period, in order of time.
@@ -66,7 +66,7 @@ class Controller:
         Args:
             time: [s] since the start of the reference.
             state: shape (10,) or (13,): position [m], attitude (w, x, y, z) and velocity [m/s] (world); rates are not used.
-            age: [s] of the state, up to 0.25: by so much earlier than `time` it was measured; predicted like the dead time.
+            age: [s] since the state was measured, up to 0.25; the state is predicted over it as over the dead time.
 
         Returns:
             Shape (4,): collective thrust per mass [m/s^2] and body rates [rad/s].
@@ -80,14 +80,14 @@ class Controller:
             raise HotlapError("the state must be ten finite numbers: position, attitude (w, x, y, z), velocity")
         if not self._time < time < np.inf:
             raise HotlapError(f"time must go on: {time:g} s comes after {self._time:g} s")
-        seen = self._pilot.seen[:, 0]
+        seen = self._loop.seen[:, 0]
         seen[:] = state[:STATE]
         seen[3:7] *= np.sign(seen[3:7] @ self._attitude(time)) or 1.0  # q and -q are one attitude; the nearer one is meant
         elapsed = min(time - self._time, 1e3)
-        settings = self._settings if age == 0 else predicting(self._settings, self._known + age)
-        self._piece = self._step(self._job, settings, self._memory, self._pilot, self._piece, float(time), float(elapsed))
+        settings = self._settings if age == 0 else predicting(self._settings, self._dead_time + age)
+        self._piece = self._step(self._job, settings, self._memory, self._loop, self._piece, float(time), float(elapsed))
         self._time = time
-        return self._pilot.history[0, :, 0].copy()
+        return self._loop.history[0, :, 0].copy()
 
     def _attitude(self, time: float) -> NDArray[np.float64]:
         """The reference's, about now, shape (4,)."""

@@ -1,9 +1,8 @@
-"""A batch of flights: a scenario, parameters and seeds in; what happened out."""
+"""Fly a batch of flights: from a scenario, parameters and seeds to a record of what happened."""
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -20,20 +19,21 @@ from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.kernel import fly_queue
 from hotlap.flight.numbers import Numbers
 from hotlap.flight.plant import autopilot_numbers, model_numbers, vehicle_numbers
-from hotlap.flight.segment_switch import mode_of
-from hotlap.race.controllers import TUNABLE
-from hotlap.race.race import PLANT_STEP, Race, ReferenceTime
-from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, vehicle_parameters_of
+from hotlap.flight.registry import CONTROLLERS
+from hotlap.flight.segment_switch import switch_number
+from hotlap.race.race import PLANT_STEP, ReferenceTime
+from hotlap.race.vehicle_parameters import part_of, vehicle_parameters_of
 from hotlap.reference.scenario import Scenario
+from hotlap.system.processors import available
 
 Floats = NDArray[np.float64]
 
-AFTERWARDS = 0.1  # s, that a log has room for behind the last decision
+AFTERWARDS = 0.1  # s: room of a log after the last gate is decided
 
 
 @dataclass(frozen=True)
 class Effort:
-    """Control steps that were computed: of all lanes, and of lanes that had a flight."""
+    """Control steps that were computed: in all lanes, and in those that had a flight to fly."""
 
     lane_steps: int
     useful_steps: int
@@ -54,13 +54,15 @@ def fly_batch(
     vehicle_parameters: Floats | None = None,
     log: Sequence[int] = (),
 ) -> tuple[Flights, Effort]:
-    """Fly; a flight's result depends on its scenario, parameters, seed and vehicle_parameters, and on the kind of number, alone.
+    """Fly each row of a batch once; the result of a flight does not depend on the other rows.
+
+    It depends on scenario, parameters, seed, vehicle parameters and the kind of number, alone.
 
     Args:
         scenario: what is flown.
-        parameters: shape (B, S, 5).
-        seeds: shape (B,).
-        numbers: what it is computed in.
+        parameters: shape (B, S, K), of each flight and segment in the order of the scenario's parameter space.
+        seeds: shape (B,), of the noise.
+        numbers: kind of number to compute in.
         threads: how many; 0 for one a processor.
         vehicle_parameters: shape (B, P), the vehicle of each flight, in the columns of `vehicle_parameters.VEHICLE_PARAMETERS`.
         log: indices in the batch of the flights to record in full.
@@ -70,8 +72,8 @@ def fly_batch(
     """
     job, gates = prepare(scenario, parameters, seeds, numbers, vehicle_parameters, log)
     verdicts = new_verdicts(len(seeds), len(gates.times))
-    settings, kind = settings_of(scenario.race), scenario.race.controller.kind
-    crew = min(threads or os.cpu_count() or 1, -(-len(seeds) // numbers.lanes))
+    settings, kind = settings_of(scenario), scenario.race.controller.kind
+    crew = min(threads or available(), -(-len(seeds) // numbers.lanes))
     if crew <= 1:
         effort = fly_queue(numbers, kind, job, settings, gates, verdicts)
     else:
@@ -81,8 +83,9 @@ def fly_batch(
     return _record(scenario, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
 
 
-def settings_of(race: Race) -> Settings:
-    """The settings of a race as the flight core takes them."""
+def settings_of(scenario: Scenario) -> Settings:
+    """The settings that all flights over a scenario share, as plain numbers."""
+    race = scenario.race
     controller, noise, control_model = race.controller, race.noise, race.control_model
     lead = control_model.delay if controller.predict else 0.0
     settings = Settings(
@@ -92,13 +95,13 @@ def settings_of(race: Race) -> Settings:
         period=controller.period,
         steps=round(controller.period / PLANT_STEP),
         plant_step=PLANT_STEP,
-        table_period=0.01,
+        table_period=scenario.reference.period,
         lead=lead if controller.reference_time is ReferenceTime.EXECUTION else 0.0,
         predicted_periods=0,
         predicted_rest=0.0,
         feed_forward=controller.feed_forward,
         gravity=control_model.gravity,
-        segment_switch=mode_of(controller.segment_switch),
+        segment_switch=switch_number(controller.segment_switch),
         segment_switch_distance=controller.segment_switch_distance,
         thrust_noise=noise.thrust,
         rate_noise=noise.rates,
@@ -117,7 +120,7 @@ def settings_of(race: Race) -> Settings:
 
 
 def predicting(settings: Settings, span: float) -> Settings:
-    """The same settings, with a prediction over so many seconds."""
+    """The same settings, but the state is predicted over a time span [s]."""
     periods = math.floor(span / settings.period + 1e-9)
     rest = span - periods * settings.period
     return settings._replace(predicted_periods=periods, predicted_rest=rest if rest > 1e-9 else 0.0)
@@ -131,29 +134,26 @@ def prepare(
     vehicle_parameters: Floats | None,
     log: Sequence[int],
 ) -> tuple[Job, Gates]:
-    """A batch as the flight core takes it."""
+    """A batch as plain arrays, and its gates, as compiled code takes them; arguments as for `fly_batch`."""
     race, reference, controller = scenario.race, scenario.reference, scenario.race.controller
     _check(scenario, parameters, seeds, vehicle_parameters, log)
     gates = gates_of(race.judge, race.track.gate_positions, reference.gate_times, race.track.floor)
     given = vehicle_parameters_of(race.vehicle)[None] if vehicle_parameters is None else np.asarray(vehicle_parameters, dtype=np.float64)
     vehicles = vehicle_numbers(given, race.vehicle.layout)
-    spaced = np.array(parameters, dtype=np.float64)
-    if TUNABLE[controller.kind].names[4:5] == ("horizon",):
-        spaced[..., 4] *= controller.horizon_unit / controller.nodes  # [s] between nodes
-    delay_steps = np.rint(given[:, VEHICLE_PARAMETERS.index("delay")] / PLANT_STEP).astype(np.int64)
+    delay_steps = np.rint(part_of(given, "delay")[:, 0] / PLANT_STEP).astype(np.int64)
     in_period = round(controller.period / PLANT_STEP)
     log_rows = np.full(len(seeds), -1, dtype=np.int64)
     log_rows[list(log)] = np.arange(len(log))
     last = reference.gate_times[-1] + (race.judge.window[1] if len(log) else 0.0) + AFTERWARDS
-    thrust, rates, lateral = controller.input_weights[0], controller.input_weights[1], controller.input_weights[2]
+    thrust, tilt, yaw = controller.input_weights
     job = Job(
         table=np.ascontiguousarray(reference.table, dtype=numbers.dtype),
         row_pieces=scenario.segments.piece_at(reference.times),
         piece_segments=np.array([piece.segment for piece in scenario.segments.pieces]),
         piece_points=np.ascontiguousarray(reference.position_at(scenario.segments.starts)),
-        parameters=spaced,
+        parameters=CONTROLLERS[controller.kind].parameters_of(controller, parameters),
         seeds=np.ascontiguousarray(seeds, dtype=np.int64),
-        input_weights=np.array([thrust, rates, rates, lateral]),
+        input_weights=np.array([thrust, tilt, tilt, yaw]),
         low=np.array([controller.thrust[0], *(-rate for rate in controller.rates)]),
         high=np.array([controller.thrust[1], *controller.rates]),
         vehicles=vehicles,
@@ -171,7 +171,7 @@ def prepare(
 def _check(
     scenario: Scenario, parameters: Parameters, seeds: NDArray[np.int64], vehicle_parameters: Floats | None, log: Sequence[int]
 ) -> None:
-    """Refuse what does not fit together: compiled code does not look."""
+    """Refuse arrays that do not fit together: compiled code does not check."""
     wanted = (len(seeds), len(scenario.segments), scenario.space.size)
     if parameters.shape != wanted:
         raise HotlapError(f"parameters must have shape (flights, segments, parameters) = {wanted}, not {parameters.shape}")
@@ -186,7 +186,7 @@ def _check(
 
 
 def _memory(period: float, time: float) -> float:
-    """What is left of correlated noise after one period."""
+    """Factor by which correlated noise decays in one period."""
     return math.exp(-period / time) if time > 0 else 0.0
 
 

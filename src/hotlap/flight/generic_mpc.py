@@ -1,8 +1,8 @@
-"""The model-predictive controller with any model: no linearisation by hand, no structure but what CasADi sees.
+"""The model-predictive controller with any model of the vehicle: CasADi differentiates it.
 
-`models.node_map` is linearised in closed form, and `riccati` is written for its Jacobian. Here a model is a CasADi function
-(state p q v, input, duration, constants) -> state after it; CasADi differentiates it, and the stages leave out what is always zero.
-A controller of your own is a function in `dynamics`, a `ControllerKind` and a line in `doors`.
+`mpc` linearises `models.node_map` in closed form, and `riccati` is written for the structure of that Jacobian. Here a model is any CasADi
+function (state p q v, input, duration, constants) -> state after it; the stages leave out entries of its Jacobian that are always zero.
+A controller with another model is a function in `dynamics.models`, a `ControllerKind` and an entry in `registry`.
 """
 
 from __future__ import annotations
@@ -63,11 +63,8 @@ class GeneralBackward(Backward):
     jacobian_size, scratch_size = JACOBIAN_SIZE, 240
 
     def __init__(self, pattern: Any) -> None:
-        self._pattern = pattern
         super().__init__()
-
-    def _unpack(self, c: Sequence[Number]) -> None:
-        self.J = unpack(c, self._pattern)
+        self.J = unpack(self.jacobian, pattern)
 
     def _column(self, j: int) -> list[Entry]:
         """A column of [A B]."""
@@ -117,18 +114,18 @@ class GeneralBackward(Backward):
 
 
 @njit(**INLINE)
-def begin_own(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
-    """Set a lane up for a new flight, with what is believed about the vehicle."""
+def begin_generic_mpc(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
+    """Prepare a lane for a new flight: bounds, weights and the parameters of the control model."""
     begin_control(job, s, mpc, k)
     for n in range(len(job.control_model)):
         mpc.constants[n, k] = job.control_model[n]
 
 
-allocate_own = partial(allocate_mpc, constants=CONSTANTS, jacobian=JACOBIAN_SIZE, scratch=GeneralBackward.scratch_size)
+allocate_generic_mpc = partial(allocate_mpc, constants=CONSTANTS, jacobian=JACOBIAN_SIZE, scratch=GeneralBackward.scratch_size)
 
 
-def own_control(name: str) -> Any:
-    """A whole control step with the model of that name in `hotlap.dynamics.models`; CasADi is loaded when it is compiled, not before."""
+def generic_control(name: str) -> Any:
+    """A control step with the model of that name in `hotlap.dynamics.models`; CasADi is loaded when the step is compiled, not before."""
 
     def with_node(build: Callable[..., Program]) -> Callable[..., None]:
         def program() -> Program:

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from hotlap.core.parameters import Parameters
 from hotlap.flight.compile import compiled
 from hotlap.flight.control_loop import ControlLoop, issue, predict
 from hotlap.flight.job import Job, Settings
@@ -23,8 +24,11 @@ from hotlap.flight.mpc_reference import hover_inputs, read_reference
 from hotlap.flight.numbers import INLINE, aligned_zeros
 from hotlap.flight.program import Number, Program, Tape, dot
 from hotlap.flight.segment_switch import piece_flown
+from hotlap.race.controllers import TUNABLE, ControllerKind
+from hotlap.race.race import ControllerSettings
 
-GAINS = 6  # k_pos_xy, k_pos_z, k_vel_xy, k_vel_z, k_attitude, k_yaw
+_NAMES = TUNABLE[ControllerKind.GEOMETRIC].names
+GAINS = tuple(_NAMES.index(name) for name in ("k_pos_xy", "k_pos_z", "k_vel_xy", "k_vel_z", "k_attitude", "k_yaw"))
 OPPOSITE = 1e-3  # least 1 + cos of the angle that is turned: at 180 degrees every way is the shortest
 
 
@@ -34,7 +38,7 @@ class Geometric(NamedTuple):
     Attributes:
         reference: (1, 14) p q v, inputs.
         acceleration: (3,) [m/s^2] (world) of the reference.
-        gains: (6,).
+        gains: (6,) k_pos_xy, k_pos_z, k_vel_xy, k_vel_z, k_attitude, k_yaw.
         low, high: (4,) bounds of the inputs.
         gravity: (1,) [m/s^2].
         command: (4,) thrust per mass, body rates.
@@ -49,10 +53,15 @@ class Geometric(NamedTuple):
     command: Any
 
 
+def gains_of(_: ControllerSettings, parameters: Parameters) -> Parameters:
+    """The tuned gains as they are; a copy."""
+    return np.array(parameters, dtype=np.float64, order="C")
+
+
 def steering_stage() -> Program:
     """(state, reference, acceleration, gains, low, high, gravity) -> command."""
     tape = Tape()
-    sizes = (10, 14, 3, GAINS, 4, 4, 1)
+    sizes = (10, 14, 3, len(GAINS), 4, 4, 1)
     x, reference, acceleration, gains, low, high, (gravity,) = (tape.array(k, size) for k, size in enumerate(sizes))
     position, velocity = (gains[0], gains[0], gains[1]), (gains[2], gains[2], gains[3])
     wanted = [acceleration[i] + position[i] * (reference[i] - x[i]) + velocity[i] * (reference[7 + i] - x[7 + i]) for i in range(3)]
@@ -97,7 +106,7 @@ steer = compiled(steering_stage)
 
 def allocate_geometric(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Geometric:  # noqa: ARG001  it has no horizon
     """Raw memory, of one kind of float."""
-    sizes = ((1, 14), (3,), (GAINS,), (4,), (4,), (1,), (4,))
+    sizes = ((1, 14), (3,), (len(GAINS),), (4,), (4,), (1,), (4,))
     memory = Geometric(*(aligned_zeros((*size, lanes), kind) for size in sizes))
     memory.reference[:, 3].fill(1)
     return memory
@@ -105,7 +114,7 @@ def allocate_geometric(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> 
 
 @njit(**INLINE)
 def begin_geometric(job: Job, s: Settings, g: Geometric, k: int) -> None:
-    """Set a lane up for a new flight."""
+    """Prepare a lane for a new flight."""
     for n in range(4):
         g.low[n, k], g.high[n, k] = job.low[n], job.high[n]
     g.gravity[0, k] = s.gravity
@@ -132,8 +141,8 @@ def aim_geometric(
     row = min(int(ahead / s.table_period + 1e-6), len(job.table) - 2)
     for i in range(3):
         g.acceleration[i, k] = (job.table[row + 1, 7 + i] - job.table[row, 7 + i]) / s.table_period
-    for n in range(GAINS):
-        g.gains[n, k] = job.parameters[flight, job.piece_segments[piece], n]
+    for n in range(len(GAINS)):
+        g.gains[n, k] = job.parameters[flight, job.piece_segments[piece], GAINS[n]]
     return piece
 
 

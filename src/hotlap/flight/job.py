@@ -1,4 +1,4 @@
-"""What the flight core is given: settings and flights as plain numbers and arrays."""
+"""The input of the compiled flight core: settings and flights as plain numbers and arrays."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ LOG_COLUMNS = 21  # p q v w, rotor thrusts, command
 
 
 class Settings(NamedTuple):
-    """What all flights share, as plain numbers; see `ControllerSettings` and `NoiseSettings`.
+    """Settings that all flights share, as plain numbers; see `ControllerSettings` and `NoiseSettings`.
 
     Attributes:
         nodes, sweeps: of the controller.
-        stop_early: leave sweeps out that change nothing; else the work does not depend on the data.
+        stop_early: leave out sweeps that would change nothing; False: every control step is the same work.
         period: [s] of the control loop.
         steps: of the plant in each period.
         plant_step: [s].
@@ -21,12 +21,13 @@ class Settings(NamedTuple):
         predicted_periods, predicted_rest: whole periods, and the rest [s], over which it predicts the state.
         feed_forward: the reference's inputs, else hover.
         gravity: [m/s^2] of the controller's model.
-        segment_switch: to the parameters of the next segment, a `segment_switch.Mode`.
+        segment_switch: when the next segment's parameters are taken, a number of `segment_switch`.
         segment_switch_distance: [m].
-        thrust_noise, rate_noise, noise_memory: actuation; the memory is that of one period.
-        thrust_bias, position, velocity, attitude: of a flight's beginning.
-        measured_position, measured_velocity, measured_attitude: what the controller sees.
-        wind, wind_memory: gusts.
+        thrust_noise, rate_noise: standard deviations of the actuation noise.
+        noise_memory: factor by which it decays in one period.
+        thrust_bias, position, velocity, attitude: standard deviations of what differs from flight to flight.
+        measured_position, measured_velocity, measured_attitude: those of the state that the controller sees.
+        wind, wind_memory: standard deviation of the gusts, and factor by which they decay in one period.
     """
 
     nodes: int
@@ -58,14 +59,14 @@ class Settings(NamedTuple):
 
 
 class Job(NamedTuple):
-    """B flights over S segments that are to be flown.
+    """A batch of B flights over S segments, as plain arrays.
 
     Attributes:
         table: (rows, 14) reference: p q v, thrust per mass, rates; its kind of float is that of the flights.
         row_pieces: (rows,) piece at each row.
         piece_segments: (P,) segment that each piece belongs to.
         piece_points: (P, 3) [m] where each piece begins.
-        parameters: (B, S, K) as the controller takes them; of the MPC Q of p_xy, p_z, attitude, velocity and the nodes' spacing [s].
+        parameters: (B, S, K) as the controller computes with them; see `registry.ControllerFunctions.parameters_of`.
         seeds: (B,).
         input_weights: (4,) R.
         low, high: (4,) bounds of the inputs.

@@ -1,4 +1,4 @@
-"""Closed-loop flights: a queue of them flown by lanes that take the next one as soon as theirs has ended.
+"""Simulates closed-loop flights: lanes fly a queue of them, and a lane starts the next flight as soon as its own has ended.
 
 Every control step is done on all lanes at once (controller, plant), and lane by lane (reference, noise, judge). A lane has its own
 clock, so that lanes may be at different times of different flights.
@@ -20,9 +20,9 @@ from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, judge
 from hotlap.flight.kernel_cache import keep
-from hotlap.flight.lanes import as_numbers, borrow, take
+from hotlap.flight.lanes import as_numbers, borrow, fetch_and_add
 from hotlap.flight.numbers import COMPILE, INLINE, Numbers
-from hotlap.flight.plant import VehicleState, allocate_vehicle_state, fly_period
+from hotlap.flight.plant import MASS, THRUST_FACTOR, WIND, VehicleState, allocate_vehicle_state, fly_period
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import FRESH
 from hotlap.race.controllers import ControllerKind
@@ -31,19 +31,19 @@ IDLE = -1
 
 
 class Lane(NamedTuple):
-    """What each lane is doing, raw.
+    """State of each lane, raw arrays.
 
     Attributes:
         flight: (lanes,) index in the batch, or IDLE.
         tick: (lanes,) control steps since its start.
         piece: (lanes,) of the reference that its parameters belong to.
-        chance: (7, lanes) correlated noise: thrust, rates, wind.
+        correlated: (7, lanes) correlated noise: thrust, rates, wind.
     """
 
     flight: Any
     tick: Any
     piece: Any
-    chance: Any
+    correlated: Any
 
 
 def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
@@ -57,7 +57,7 @@ def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settin
     controller = CONTROLLERS[kind].allocate(settings.nodes, lanes, real)
     memory = controller, allocate_control_loop(commands, lanes, real), allocate_vehicle_state(lanes, real)
     flight, tick, piece = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
-    lane = Lane(flight, tick, piece, chance=np.zeros((7, lanes)))
+    lane = Lane(flight, tick, piece, correlated=np.zeros((7, lanes)))
     worker(numbers, kind)(job, settings, gates, verdicts, *memory, lane, effort)
     return effort
 
@@ -88,7 +88,7 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
         noisy = s.measured_position + s.measured_velocity + s.measured_attitude > 0
         busy = 0
         for k in range(lanes):
-            busy += _take_flight(job, s, loop, vehicle_state, lane, k)
+            busy += _start_flight(job, s, loop, vehicle_state, lane, k)
             begin(job, s, memory, k)
         while busy > 0:
             effort[0] += lanes
@@ -98,7 +98,7 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
             for k in range(lanes):
                 if lane.flight[k] != IDLE:
                     if noisy:
-                        _mismeasure(job, s, loop, lane, k)
+                        _add_measurement_noise(job, s, loop, lane, k)
                     lane.piece[k] = aim(job, s, memory, loop, k, lane.flight[k], lane.piece[k], lane.tick[k] * s.period, s.period)
             control(s, m, p)
             for k in range(lanes):
@@ -106,17 +106,17 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
                     _actuate(job, s, loop, vehicle_state, lane, k)
             fly_period(c, s.steps)
             for k in range(lanes):
-                if lane.flight[k] != IDLE and _rule(job, s, gates, verdicts, loop, vehicle_state, lane, k):
-                    busy += _take_flight(job, s, loop, vehicle_state, lane, k) - 1
+                if lane.flight[k] != IDLE and _judge_period(job, s, gates, verdicts, loop, vehicle_state, lane, k):
+                    busy += _start_flight(job, s, loop, vehicle_state, lane, k) - 1
                     begin(job, s, memory, k)
 
     return keep(njit(**COMPILE)(work), f"{kind}-{numbers}")
 
 
 @njit(**COMPILE)
-def _take_flight(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> int:
+def _start_flight(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> int:
     """Begin the next flight of the queue in a lane; 0 if there is none."""
-    i = take(job.queue)
+    i = fetch_and_add(job.queue)
     if i >= len(job.seeds):
         lane.flight[k] = IDLE
         return 0
@@ -128,10 +128,10 @@ def _take_flight(job: Job, s: Settings, loop: ControlLoop, vehicle_state: Vehicl
         vehicle_state.autopilot[n, k] = job.autopilot[n]
     vehicle_state.older_steps[0, k], vehicle_state.step[0, k] = job.delay_steps[vehicle], s.plant_step
     vehicle_state.disturbance[:, k] = 0
-    vehicle_state.disturbance[0, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS)
-    _place(job, s, vehicle_state, k, seed, job.vehicles[vehicle, 0])
+    vehicle_state.disturbance[THRUST_FACTOR, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS)
+    _place(job, s, vehicle_state, k, seed, job.vehicles[vehicle, MASS])
     begin_control_loop(s, loop, k)
-    lane.chance[:, k] = 0
+    lane.correlated[:, k] = 0
     vehicle_state.acting[:, k] = 0
     vehicle_state.acting[0, k] = s.gravity
     return 1
@@ -157,8 +157,8 @@ def _place(job: Job, s: Settings, vehicle_state: VehicleState, k: int, seed: int
 
 
 @njit(**INLINE)
-def _mismeasure(job: Job, s: Settings, loop: ControlLoop, lane: Lane, k: int) -> None:
-    """Add what sensors get wrong to the state that the controller sees."""
+def _add_measurement_noise(job: Job, s: Settings, loop: ControlLoop, lane: Lane, k: int) -> None:
+    """Add measurement noise to the state that the controller sees."""
     seed, step, seen = job.seeds[lane.flight[k]], lane.tick[k] + 1, loop.seen
     for i in range(3):
         seen[i, k] += s.measured_position * noise.normal(seed, step, noise.MEASURED + i)
@@ -171,27 +171,27 @@ def _mismeasure(job: Job, s: Settings, loop: ControlLoop, lane: Lane, k: int) ->
 
 @njit(**INLINE)
 def _actuate(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
-    """The command that acts from now on, with its noise, which is correlated from step to step; gusts; and the log."""
+    """Set the command that acts from now on, with actuation noise, which is correlated from step to step; the wind; and the log."""
     i, step = lane.flight[k], lane.tick[k] + 1
     seed, delay = job.seeds[i], job.delay_periods[min(i, len(job.delay_periods) - 1)]
     fresh = math.sqrt(1 - s.noise_memory**2)
     for a in range(4):
-        lane.chance[a, k] = s.noise_memory * lane.chance[a, k] + fresh * noise.normal(seed, step, noise.THRUST + a)
+        lane.correlated[a, k] = s.noise_memory * lane.correlated[a, k] + fresh * noise.normal(seed, step, noise.THRUST + a)
         vehicle_state.older[a, k], vehicle_state.acting[a, k] = vehicle_state.acting[a, k], loop.history[delay, a, k]
-    vehicle_state.acting[0, k] *= 1 + s.thrust_noise * lane.chance[0, k]
+    vehicle_state.acting[0, k] *= 1 + s.thrust_noise * lane.correlated[0, k]
     for a in range(1, 4):
-        vehicle_state.acting[a, k] += s.rate_noise * lane.chance[a, k]
+        vehicle_state.acting[a, k] += s.rate_noise * lane.correlated[a, k]
     if s.wind > 0:
         fresh = math.sqrt(1 - s.wind_memory**2)
         for a in range(3):
-            lane.chance[4 + a, k] = s.wind_memory * lane.chance[4 + a, k] + fresh * noise.normal(seed, step, noise.WIND + a)
-            vehicle_state.disturbance[1 + a, k] = s.wind * lane.chance[4 + a, k]
+            lane.correlated[4 + a, k] = s.wind_memory * lane.correlated[4 + a, k] + fresh * noise.normal(seed, step, noise.WIND + a)
+            vehicle_state.disturbance[WIND + a, k] = s.wind * lane.correlated[4 + a, k]
     _log(job, loop, vehicle_state, lane, k)
 
 
 @njit(**INLINE)
 def _log(job: Job, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
-    """Keep state and command of a flight that is logged."""
+    """Write state and command of a flight that is logged."""
     row, tick = job.log_rows[lane.flight[k]], lane.tick[k]
     if row >= 0:
         for n in range(13):
@@ -202,10 +202,10 @@ def _log(job: Job, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k
 
 
 @njit(**INLINE)
-def _rule(
+def _judge_period(
     job: Job, s: Settings, gates: Gates, verdicts: Verdicts, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int
 ) -> bool:
-    """Judge the period that a lane has flown; whether its flight is over."""
+    """Judge the control period that a lane has flown; returns whether its flight is over."""
     start = lane.tick[k] * s.period
     lane.tick[k] += 1
     time = lane.tick[k] * s.period

@@ -2,6 +2,7 @@
 
 Numba's own cache looks at the file of the compiled function alone: an edit of anything that the function calls would go unnoticed.
 Here the place on disk changes with every source that takes part, and Numba adds its own version, the processor and its features.
+Of several processes that want a kernel which is not there yet, one compiles it and the others wait for it.
 """
 
 # pyright: reportIncompatibleMethodOverride=false
@@ -9,12 +10,15 @@ Here the place on disk changes with every source that takes part, and Numba adds
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
+import os
 import pickle
 import sys
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
+from time import sleep
 from typing import Any
 
 from numba.core import caching
@@ -22,6 +26,7 @@ from numba.core import caching
 from hotlap.system.disk_cache import digest_sources, folder
 
 SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.race", "hotlap.core.records")
+PAUSE, LONGEST_WAIT = 0.1, 180.0  # s between looks for what another process compiles; s until it is compiled here all the same
 
 
 def place() -> Path:
@@ -54,6 +59,39 @@ class _Implementation(caching.CompileResultCacheImpl):
         self._filename_base = self.get_filename_base("kernel", getattr(sys, "abiflags", ""))
 
 
+class Turn:
+    """The turn to compile a function: one process has it at a time, and it ends with the process, however that ends.
+
+    Args:
+        path: of a lock file, which need not exist.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self._lock, self._waits = path, -1, 0
+
+    def take(self) -> bool:
+        """Whether this process may compile now: no other does, or it has been at it for too long, or nobody can know."""
+        if self._lock >= 0:
+            return True
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._lock = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.give_back()
+            self._waits += 1
+            return self._waits * PAUSE >= LONGEST_WAIT
+        except OSError:  # a folder that cannot be written, a file system without locks
+            self.give_back()
+        return True
+
+    def give_back(self) -> None:
+        """Let another process have it."""
+        if self._lock >= 0:
+            os.close(self._lock)
+            self._lock = -1
+
+
 class KernelCache(caching.FunctionCache):
     """What a dispatcher takes as its `_cache`; one that cannot be read or written is no error.
 
@@ -68,9 +106,24 @@ class KernelCache(caching.FunctionCache):
         locator, name = self._impl.locator, self._impl.filename_base
         self._cache_path = locator.get_cache_path()
         self._cache_file = caching.IndexDataCacheFile(self._cache_path, name, locator.get_source_stamp())
+        self._turn = Turn(Path(self._cache_path) / f"{name}.lock")
         self.enable()
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The compiled function of a signature, None where it is to be compiled here: there is none, or a damaged one.
+
+        Where another process compiles it, it is waited for.
+        """
+        found = self._load(sig, target_context)
+        while found is None and not self._turn.take():
+            sleep(PAUSE)
+            found = self._load(sig, target_context)
+        found = found or self._load(sig, target_context)  # it may have come between the look and the turn
+        if found is not None:
+            self._turn.give_back()
+        return found
+
+    def _load(self, sig: Any, target_context: Any) -> Any:
         """The compiled function of a signature, None where there is none or it is damaged."""
         try:
             return super().load_overload(sig, target_context)
@@ -85,6 +138,7 @@ class KernelCache(caching.FunctionCache):
             except (pickle.UnpicklingError, EOFError, ValueError, AttributeError, ImportError):  # a damaged index
                 self.flush()
                 super().save_overload(sig, data)
+        self._turn.give_back()
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
         """Which function it is, the place and the label say already."""

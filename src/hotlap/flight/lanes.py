@@ -1,4 +1,4 @@
-"""Numbers: code written once on them flies one flight (float64) or one flight per SIMD lane.
+"""Numbers: code that is written for them computes one flight (float64), or one flight in each SIMD lane.
 
 `Lanes(element, width)` is an LLVM vector that behaves like a float inside compiled code, so nothing depends on
 the auto-vectoriser. Every function here also has a plain Python body: with NUMBA_DISABLE_JIT=1 the same code runs
@@ -30,7 +30,7 @@ implement = partial(overload, strict=False)  # Numba takes annotations that one 
 
 
 class Lanes(types.Type):
-    """`width` floats of one kind that travel together."""
+    """`width` floats of one kind, one for each flight."""
 
     def __init__(self, element: types.Float, width: int) -> None:
         self.element, self.width = element, width
@@ -258,7 +258,7 @@ def _typed_as_numbers(memory: Any, width: Any) -> Any:
 
 
 def borrow(memory: Any) -> Any:
-    """A named tuple whose arrays compiled code does not count references to; somebody else must hold them.
+    """A named tuple of arrays to which compiled code counts no references; the caller must keep the arrays.
 
     Counting is atomic, and happens at every access of an array in a tuple: it would cost more than the arithmetic.
     """
@@ -285,14 +285,14 @@ def _typed_borrow(memory: Any) -> Any:
     return lambda memory: _borrow(memory)
 
 
-def take(counter: np.ndarray) -> int:
-    """Add one to counter[0] and return its old value, safely among threads."""
+def fetch_and_add(counter: np.ndarray) -> int:
+    """Add one to counter[0] and return its old value; atomic, so that threads never get the same one."""
     counter[0] += 1
     return counter[0] - 1
 
 
 @intrinsic
-def _take(typing: Any, counter: Any) -> Any:
+def _fetch_and_add(typing: Any, counter: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         data = make_array(signature.args[0])(context, builder, arguments[0]).data
         return builder.atomic_rmw("add", data, ir.Constant(ir.IntType(64), 1), "monotonic")
@@ -300,6 +300,6 @@ def _take(typing: Any, counter: Any) -> Any:
     return types.int64(counter), generate
 
 
-@implement(take)
-def _typed_take(counter: Any) -> Any:
-    return lambda counter: _take(counter)
+@implement(fetch_and_add)
+def _typed_fetch_and_add(counter: Any) -> Any:
+    return lambda counter: _fetch_and_add(counter)

@@ -1,7 +1,7 @@
 """The model-predictive controller (Eq. 3 of the paper) as a real-time iteration: one linearisation and a few Riccati sweeps a step.
 
-Written on numbers: one flight, or one flight a lane. `Mpc` is memory and is laid out twice: as raw floats (..., lanes), for what is
-done lane by lane, and as numbers (...), for what is done on all lanes at once.
+It computes with numbers (`lanes`): one flight, or one flight in each lane. Its memory `Mpc` is seen in two ways: as raw floats
+(..., lanes), for what is done lane by lane, and as numbers (...), for what is done on all lanes at once.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from hotlap.flight.numbers import COMPILE, aligned_zeros
 from hotlap.flight.program import Program, Tape, dot
 from hotlap.flight.riccati import GAIN_SIZE, P_SIZE, SCRATCH_SIZE, backward_stage, forward_stage, terminal_stage
 
-AT_REST = 1e-4  # of an input: a lane whose sweep moved none by more needs no further one
+AT_REST = 1e-4  # change of an input: a lane whose sweep changed none by more needs no further sweep
 
 
 def retract_stage() -> Program:
@@ -52,16 +52,16 @@ class Mpc(NamedTuple):
         input_weights: (4,) R.
         spacing: (1,) [s] time between nodes.
         low, high: (4,) bounds of the inputs.
-        constants: (V,) of the model, gravity [m/s^2] first; of the paper's model nothing else.
-        inputs: (N, 4) of the present sweep.
-        deviation: (N + 1, 9) of the present sweep from the plan.
+        constants: (V,) parameters of the model: gravity [m/s^2] first, which is all that the paper's model has.
+        inputs: (N, 4) inputs that the present sweep has found.
+        deviation: (N + 1, 9) of the states that the present sweep has found from the planned ones, in tangent coordinates.
         change: (2, 9) of the deviation, at two nodes.
         jacobian: (N, J) of each node; of the paper's model as in `dynamics.node_jacobian`.
         gains, feed: (N, 36), (N, 4) policy.
         value, slope: (2, 45), (2, 9) P and p, at two nodes.
         scratch: of the backward stage.
-        needs_sweep: (1,) 1 where another sweep is wanted.
-        convergence: (2,) of the last sweep: largest change of an input, 1 if one is at a bound.
+        needs_sweep: (1,) 1 where the solution has not converged: another sweep may change it.
+        convergence: (2,) of the last sweep: largest change of an input; 1 if an input is at a bound.
     """
 
     X: Any
@@ -89,7 +89,7 @@ class Mpc(NamedTuple):
 def allocate_mpc(
     nodes: int, lanes: int, kind: type[np.floating[Any]], *, constants: int = 1, jacobian: int = NODE_JACOBIAN, scratch: int = SCRATCH_SIZE
 ) -> Mpc:
-    """Raw memory, of one kind of float; what a lane without a flight computes with is 1.
+    """Raw memory, of one kind of float; a lane without a flight computes with ones, so that it divides by no zero.
 
     Args:
         nodes: N.
@@ -112,7 +112,7 @@ def allocate_mpc(
 
 
 def solver(linearise: Callable[..., None], backward: Callable[..., None], forward: Callable[..., None]) -> Any:
-    """The solver with given stages, compiled: (memory, sweeps, stop_early) moves the plan (X, U) to the solution around it.
+    """A compiled solver made of given stages: (memory, sweeps, stop_early) replaces the plan (X, U) by the solution around it.
 
     A sweep that meets no bound is exact. Further ones change only lanes in which a bound was met and an input moved, so that no lane
     depends on its neighbours.

@@ -1,4 +1,4 @@
-"""What the controller is asked to track: reference, weights and node spacing of one lane, and the plan it starts from."""
+"""The reference over the horizon of one lane, and the plan that the solver starts from."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hotlap.flight.numbers import INLINE
 
 @njit(**INLINE)
 def read_reference(m: Any, lane: int, table: np.ndarray, period: float, time: float, spacing: float) -> None:
-    """Reference at the nodes of a lane's horizon, between rows by straight lines; the last row holds for ever.
+    """Read the reference at the nodes of a lane's horizon: linear between rows; the last row holds for ever.
 
     Args:
         m: raw memory of a controller; `reference` of the lane is written.
@@ -34,7 +34,7 @@ def read_reference(m: Any, lane: int, table: np.ndarray, period: float, time: fl
 
 @njit(**INLINE)
 def hover_inputs(m: Any, lane: int, gravity: float) -> None:
-    """The inputs of hovering in place of the reference's."""
+    """Replace the reference's inputs by those of hovering."""
     for n in range(len(m.reference)):
         m.reference[n, 10, lane] = gravity
         for a in range(11, 14):
@@ -43,7 +43,7 @@ def hover_inputs(m: Any, lane: int, gravity: float) -> None:
 
 @njit(**INLINE)
 def plan_as_reference(m: Mpc, lane: int) -> None:
-    """Begin with the reference itself as the plan."""
+    """Take the reference as the first plan."""
     for n in range(len(m.X)):
         for i in range(10):
             m.X[n, i, lane] = m.reference[n, i, lane]
@@ -54,7 +54,7 @@ def plan_as_reference(m: Mpc, lane: int) -> None:
 
 @njit(**INLINE)
 def respace_plan(m: Mpc, lane: int, old: float, new: float, later: float) -> None:
-    """The plan on another spacing of the nodes: its own states as far as it reaches, the reference beyond.
+    """Interpolate the plan to nodes of another spacing; beyond its end, take the reference.
 
     Args:
         m: raw memory, with the reference on the new nodes.

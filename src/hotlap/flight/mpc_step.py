@@ -1,4 +1,4 @@
-"""A control step of the model-predictive controller: where the drone is and what it is asked to track in, a command out.
+"""A control step of the model-predictive controller: from the state and the reference to a command.
 
 `aim` is done lane by lane on raw memory, `control` on all lanes at once. The same functions fly in the simulation and in `Controller`.
 """
@@ -7,19 +7,34 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 
+from hotlap.core.parameters import Parameters
 from hotlap.flight.control_loop import ControlLoop, issue, predict
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.mpc import Mpc, solve
 from hotlap.flight.mpc_reference import hover_inputs, plan_as_reference, read_reference, respace_plan
 from hotlap.flight.numbers import INLINE
 from hotlap.flight.segment_switch import BY_NODE, FRESH, piece_at, piece_flown
+from hotlap.race.controllers import TUNABLE, ControllerKind
+from hotlap.race.race import ControllerSettings
+
+_NAMES = TUNABLE[ControllerKind.MPC].names
+HORIZON = _NAMES.index("horizon")
+WEIGHTS = tuple(_NAMES.index(name) for name in ("Q_pos_xy", "Q_pos_z", "Q_attitude", "Q_velocity"))  # in the order of `Mpc.weights`
+
+
+def weights_of(settings: ControllerSettings, parameters: Parameters) -> Parameters:
+    """The tuned parameters with the time between the nodes [s] in place of the horizon; a copy."""
+    changed = np.array(parameters, dtype=np.float64, order="C")
+    changed[..., HORIZON] *= settings.horizon_unit / settings.nodes
+    return changed
 
 
 @njit(**INLINE)
 def begin_control(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
-    """Set a lane up for a new flight."""
+    """Prepare a lane for a new flight."""
     for n in range(4):
         mpc.input_weights[n, k], mpc.low[n, k], mpc.high[n, k] = job.input_weights[n], job.low[n], job.high[n]
     mpc.constants[0, k] = s.gravity
@@ -27,17 +42,17 @@ def begin_control(job: Job, s: Settings, mpc: Mpc, k: int) -> None:
 
 @njit(**INLINE)
 def aim(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, k: int, flight: int, before: int, time: float, elapsed: float) -> int:
-    """Reference and weights of a lane's control step, and how its plan moves on.
+    """Read the reference and the weights of a lane's control step, and say by how much its last plan is shifted.
 
     Args:
-        job: whose reference and parameters.
-        s: settings.
-        mpc: raw memory, of which the lane's is written.
-        loop: likewise.
+        job: the batch, with the reference and the parameters.
+        s: its settings.
+        mpc: raw memory of the controller; that of the lane is written.
+        loop: raw memory of the control loop; likewise.
         k: the lane.
         flight: whose parameters.
         before: piece of the step before, or FRESH.
-        time: [s] of the flight.
+        time: [s] since the start of the flight.
         elapsed: [s] since the step before.
 
     Returns:
@@ -46,7 +61,7 @@ def aim(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, k: int, flight: int,
     ahead = time + s.lead
     piece = piece_flown(job, s, loop.seen, k, before, ahead)
     segment = job.piece_segments[piece]
-    spacing = job.parameters[flight, segment, 4]
+    spacing = job.parameters[flight, segment, HORIZON]
     read_reference(mpc, k, job.table, s.table_period, ahead, spacing)
     if not s.feed_forward:
         hover_inputs(mpc, k, s.gravity)
@@ -57,22 +72,22 @@ def aim(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, k: int, flight: int,
         if before == FRESH:
             plan_as_reference(mpc, k)
         else:
-            respace_plan(mpc, k, job.parameters[flight, job.piece_segments[before], 4], spacing, elapsed)
+            respace_plan(mpc, k, job.parameters[flight, job.piece_segments[before], HORIZON], spacing, elapsed)
         for n in range(len(mpc.weights)):
             for i in range(4):
-                mpc.weights[n, i, k] = job.parameters[flight, segment, i]
+                mpc.weights[n, i, k] = job.parameters[flight, segment, WEIGHTS[i]]
         mpc.spacing[0, k] = spacing
     if s.segment_switch == BY_NODE:
         for n in range(len(mpc.weights)):
             segment = job.piece_segments[piece_at(job.row_pieces, s.table_period, ahead + n * spacing)]
             for i in range(4):
-                mpc.weights[n, i, k] = job.parameters[flight, segment, i]
+                mpc.weights[n, i, k] = job.parameters[flight, segment, WEIGHTS[i]]
     return piece
 
 
 @njit(**INLINE)
 def move_plan(m: Mpc, p: ControlLoop) -> None:
-    """The warm start on all lanes: the plan moves on with time."""
+    """The warm start on all lanes: the last plan, shifted by the time that has passed."""
     for n in range(len(m.U)):
         for i in range(10):
             m.X[n, i] += p.shift[0] * (m.X[n + 1, i] - m.X[n, i])
@@ -82,7 +97,7 @@ def move_plan(m: Mpc, p: ControlLoop) -> None:
 
 
 def controls(predict: Any, solve: Any) -> tuple[Any, Any]:
-    """With a model's predictor and solver, two compiled functions of (settings, memory, loop) on all lanes.
+    """Two compiled functions of (settings, memory, loop), on all lanes, made from a model's predictor and solver.
 
     Returns:
         The plan that a control step begins with, from the state seen as it will be when the command acts; and the whole step, from

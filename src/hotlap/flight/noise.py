@@ -1,4 +1,4 @@
-"""Noise: chance that depends on the flight's seed, the control step and the channel alone, never on batch, lane or order."""
+"""Noise: random numbers that depend on the flight's seed, the control step and the channel alone, never on batch, lane or order."""
 
 from __future__ import annotations
 

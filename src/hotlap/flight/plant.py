@@ -1,4 +1,4 @@
-"""The vehicle as the flight core takes it: its physical parameters as numbers, and a control period of flight."""
+"""The plant: the vehicle's physical parameters in the order of the equations of motion, and a control period of simulated flight."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hotlap.core.errors import HotlapError
-from hotlap.dynamics.parameter_layout import AUTOPILOT, DISTURBANCE, MODEL, VEHICLE
+from hotlap.dynamics.parameter_layout import AUTOPILOT, DISTURBANCE, MODEL, VEHICLE, place_of
 from hotlap.flight.compile import compiled_dynamics
 from hotlap.flight.lanes import select
 from hotlap.flight.numbers import COMPILE, aligned_zeros
 from hotlap.race.quadrotor import Quadrotor, RotorLayout, torque_matrix
 from hotlap.race.race import PLANT_STEP
-from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS
+from hotlap.race.vehicle_parameters import COLUMNS, check_vehicle_parameters, part_of
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +22,7 @@ step_plant = compiled_dynamics("plant_step")
 
 
 def vehicle_numbers(vehicle_parameters: Floats, layout: RotorLayout) -> Floats:
-    """What `dynamics.plant_step` takes for the vehicle.
+    """The vehicle's parameters as `dynamics.plant_step` takes them.
 
     Args:
         vehicle_parameters: shape (B, P).
@@ -33,45 +32,31 @@ def vehicle_numbers(vehicle_parameters: Floats, layout: RotorLayout) -> Floats:
         Shape (B, V), in the order of `parameter_layout.VEHICLE`.
 
     Raises:
-        HotlapError: a physical parameter is not finite or negative, or a mass or inertia is 0.
+        HotlapError: a physical parameter is impossible; see `check_vehicle_parameters`.
     """
-    if vehicle_parameters.ndim != 2 or vehicle_parameters.shape[1] != len(VEHICLE_PARAMETERS):
-        raise HotlapError(f"vehicle_parameters must have the columns {', '.join(VEHICLE_PARAMETERS)}, not shape {vehicle_parameters.shape}")
-    bad = ~(np.isfinite(vehicle_parameters) & (vehicle_parameters >= 0)) | (
-        (vehicle_parameters == 0) & (np.arange(len(VEHICLE_PARAMETERS)) < 6)
-    )
-    if bad.any():
-        row, column = np.argwhere(bad)[0]
-        raise HotlapError(f"vehicle_parameters[{row}]: {VEHICLE_PARAMETERS[column]} cannot be {vehicle_parameters[row, column]:g}")
-    unit_arm, unit_ratio = torque_matrix(layout, 1.0, 0.0), torque_matrix(layout, 0.0, 1.0)
-    torques = vehicle_parameters[:, 4, None, None] * unit_arm + vehicle_parameters[:, 5, None, None] * unit_ratio
+    check_vehicle_parameters(vehicle_parameters)
+    parts = {name: part_of(vehicle_parameters, name) for name in COLUMNS}
+    unit_arm, unit_ratio = torque_matrix(layout, 1.0, 0.0).ravel(), torque_matrix(layout, 0.0, 1.0).ravel()
+    parts["torques"] = parts["arm"] * unit_arm + parts["torque_ratio"] * unit_ratio
     with np.errstate(divide="ignore"):
-        shares = 1 - np.exp(-PLANT_STEP / vehicle_parameters[:, 8:10])  # a motor time of 0 follows at once
-    parts = [
-        vehicle_parameters[:, :4],
-        torques.reshape(len(vehicle_parameters), 12),
-        vehicle_parameters[:, 6:8],
-        shares,
-        vehicle_parameters[:, 10:17],
-        vehicle_parameters[:, 22:],
-        vehicle_parameters[:, 17:21],
-    ]
-    return np.hstack(parts)
+        parts["motor_shares"] = 1 - np.exp(-PLANT_STEP / parts["motor_time"])  # a motor time of 0 follows at once
+    return np.hstack([parts[name] for name in VEHICLE])
 
 
 def autopilot_numbers(control_model: Quadrotor) -> Floats:
-    """What `dynamics.plant_step` takes for the rate loop, shape (A,): mass, inertia and mixer of what it takes the vehicle for."""
+    """The control model's mass, inertia and mixer, shape (A,), in the order of `parameter_layout.AUTOPILOT`: what the rate loop uses."""
     mixer = np.linalg.inv(np.vstack([np.ones(4), control_model.torque_matrix]))
-    return np.concatenate([[control_model.mass], control_model.inertia_vector, mixer.ravel()])
+    parts = {"mass": [control_model.mass], "inertia": control_model.inertia_vector, "mixer": mixer.ravel()}
+    return np.concatenate([parts[name] for name in AUTOPILOT])
 
 
 def model_numbers(control_model: Quadrotor) -> Floats:
-    """What a controller's own model is given, shape (M,), in the order of `parameter_layout.MODEL`."""
+    """The control model's parameters, shape (M,), in the order of `parameter_layout.MODEL`: what a controller's model may use."""
     return np.concatenate([np.atleast_1d(getattr(control_model, name)) for name in MODEL])
 
 
 class VehicleState(NamedTuple):
-    """Memory of a vehicle in flight; raw floats (..., lanes), or numbers (...).
+    """Memory of the simulated vehicle; raw floats (..., lanes), or numbers (...).
 
     Attributes:
         state: (17,) p q v w, square roots of the rotor thrusts.
@@ -100,10 +85,11 @@ class VehicleState(NamedTuple):
 
 VEHICLE_SIZE, AUTOPILOT_SIZE = sum(VEHICLE.values()), sum(AUTOPILOT.values())
 DISTURBANCE_SIZE = sum(DISTURBANCE.values())
+MASS, THRUST_FACTOR, WIND = place_of("mass", VEHICLE), place_of("thrust_factor", DISTURBANCE), place_of("wind", DISTURBANCE)
 
 
 def allocate_vehicle_state(lanes: int, kind: type[np.floating[Any]]) -> VehicleState:
-    """Raw memory, of one kind of float; what a lane without a flight computes with is 1."""
+    """Raw memory, of one kind of float; a lane without a flight computes with ones, so that it divides by no zero."""
     sizes = (17, 17, 3, 4, 4, 4, 1, VEHICLE_SIZE, AUTOPILOT_SIZE, DISTURBANCE_SIZE, 1)
     memory = VehicleState(*(aligned_zeros((size, lanes), kind) for size in sizes))
     for array in (memory.state[3], memory.vehicle, memory.autopilot):

@@ -46,7 +46,7 @@ def backward_stage() -> Program:
 
     P+ and p+ are of the next node and may not be P and p. The policy is u + k + K e, e the change of the deviation.
     """
-    return Backward().build()
+    return StructuredBackward().build()
 
 
 def follow_structured(c: Sequence[Number], e: Sequence[Number], changes: Sequence[Number], h: Number) -> list[Number]:
@@ -60,10 +60,10 @@ def follow_structured(c: Sequence[Number], e: Sequence[Number], changes: Sequenc
 
 
 def forward_stage(follow: Callable[..., list[Number]] = follow_structured, jacobian_size: int = NODE_JACOBIAN) -> Program:
-    """(C, K, k, e, u, deviation+, h, low, high, open, convergence) -> u, e+, deviation+, convergence.
+    """(C, K, k, e, u, deviation+, h, low, high, needs_sweep, convergence) -> u, e+, deviation+, convergence.
 
-    Lanes that are not open keep their input and deviation bit for bit. `convergence` is what the sweep did so far: the largest change of
-    an input, and 1 if one of them is at a bound.
+    Lanes that need no sweep keep their input and deviation bit for bit. `convergence` is of the nodes so far: the largest change of an
+    input, and 1 if one of them is at a bound.
     """
     tape = Tape()
     sizes = (jacobian_size, GAIN_SIZE, 4, 9, 4, 9, 1, 4, 4, 1, 2)
@@ -108,25 +108,26 @@ def state_gradient(diagonal: Sequence[Number], x: Sequence[Number], deviation: S
 
 
 class Backward:
-    """The backward stage in sections: each ends with what later ones need back in memory (`scratch`)."""
+    """Writes the backward stage in sections; each one ends by storing in `scratch` what later ones need."""
 
     jacobian_size, scratch_size = NODE_JACOBIAN, SCRATCH_SIZE
+    Quu: dict[tuple[int, int], Number]
+    Qu: list[Number]
+    Qx: list[Number]
+    Y: list[list[Number]]  # Q_ux
+    inverse: list[Number]
+    gradient: list[Number]
+    step: list[Number]
 
     def __init__(self) -> None:
         self.tape = tape = Tape()
         sizes = (P_SIZE, 9, self.jacobian_size, 10, 9, 4, 14, 4, 4, 1, 4, 4)
-        self.P, self.p, c, self.x, self.deviation, self.u, self.r, weights, self.R, (self.h,), self.low, self.high = (
+        self.P, self.p, self.jacobian, self.x, self.deviation, self.u, self.r, weights, self.R, (self.h,), self.low, self.high = (
             tape.array(k, size) for k, size in enumerate(sizes)
         )
         self.Q = _diagonal(weights)
         self.half = 0.5 * self.h
-        self._unpack(c)
         self.used = 0
-
-    def _unpack(self, c: Sequence[Number]) -> None:
-        """The Jacobian's parts."""
-        self.Cv = [c[18 + 7 * i : 25 + 7 * i] for i in range(3)]
-        self.Ct = [[*c[3 * i : 3 * i + 3], None, *c[9 + 3 * i : 12 + 3 * i]] for i in range(3)]  # the thrust turns nothing
 
     def build(self) -> Program:
         """All sections in turn."""
@@ -147,6 +148,76 @@ class Backward:
     def _value(self, i: int, j: int) -> Number:
         """P+(i, j)."""
         return self.P[triangle(i, j)]
+
+    def _propagate(self) -> None:
+        """The products of P+ and [A B] that the other sections use."""
+        raise NotImplementedError
+
+    def _collect(self) -> None:
+        """Q_uu and the gradients."""
+        raise NotImplementedError
+
+    def _minimise(self) -> None:
+        """The best input within its bounds: step, gradient there, inverse over the free inputs; and Q_ux."""
+        raise NotImplementedError
+
+    def _state_curvature(self, i: int, j: int) -> Number:
+        """Q_xx(i, j), i >= j: the state's own weight and A' P+ A."""
+        raise NotImplementedError
+
+    def _newton(
+        self, room: Sequence[tuple[Number, Number]], step: list[Number] | None, gradient: Sequence[Number]
+    ) -> tuple[dict[tuple[int, int], Any], list[Number], list[Number]]:
+        """Inverse of Q_uu over the free inputs, step projected on the box, gradient there."""
+        now = step or [self.tape.lift(0.0)] * 4
+        held = [((now[a] <= low) & (gradient[a] > 0.0)) | ((now[a] >= high) & (gradient[a] < 0.0)) for a, (low, high) in enumerate(room)]
+        masked = {
+            (a, b): held[a].where(1.0, entry) if a == b else (held[a] | held[b]).where(0.0, entry) for (a, b), entry in self.Quu.items()
+        }
+        inverse = invert(masked)
+        for a in range(4):
+            inverse[a, a] = held[a].where(0.0, inverse[a, a])
+        moves = [dot([inverse[max(a, b), min(a, b)] for b in range(4)], gradient) for a in range(4)]
+        projected = []
+        for a, (low, high) in enumerate(room):
+            target = now[a] - moves[a] if step else -moves[a]
+            projected.append(target.maximum(low).minimum(high))
+        after = [self.Qu[a] + dot([self.Quu[max(a, b), min(a, b)] for b in range(4)], projected) for a in range(4)]
+        return inverse, projected, after
+
+    def _close_gains(self) -> None:
+        """K = -(inverse over the free inputs) Q_ux."""
+        negative = [[-self.inverse[triangle(a, b)] for b in range(4)] for a in range(4)]
+        gains: list[list[Number]] = [[] for _ in range(4)]
+        for j in range(9):
+            for a in range(4):
+                gains[a].append(dot(negative[a], [self.Y[b][j] for b in range(4)]))
+        kept = self.tape.store(14, [entry for row in gains for entry in row])
+        self.K = [kept[9 * a : 9 * a + 9] for a in range(4)]
+        self.tape.section()
+
+    def _close_value(self) -> None:
+        """P = Q_xx + Q_ux' K and p = Q_x + K' gradient + Q_ux' step."""
+        for i in range(9):
+            row, slope = [self._state_curvature(i, j) for j in range(i + 1)], self.Qx[i]
+            for a in range(4):
+                for j in range(i + 1):
+                    row[j] = row[j] + self.Y[a][i] * self.K[a][j]
+                slope = slope + self.K[a][i] * self.gradient[a] + self.Y[a][i] * self.step[a]
+            self.tape.store(12, row, triangle(i, 0))
+            self.tape.store(13, [slope], i)
+            if i in (3, 5, 6, 7):
+                self.tape.section()
+
+
+class StructuredBackward(Backward):
+    """The backward stage for the Jacobian of the paper's model, of which `dynamics.node_jacobian` keeps what is neither 0 nor 1."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        c = self.jacobian
+        self.Cv = [c[18 + 7 * i : 25 + 7 * i] for i in range(3)]
+        self.Ct = [[*c[3 * i : 3 * i + 3], None, *c[9 + 3 * i : 12 + 3 * i]] for i in range(3)]  # the thrust turns nothing
 
     def _times_jacobian(
         self, speed: Sequence[Sequence[Number]], turn: Sequence[Sequence[Number]], columns: Sequence[int]
@@ -198,7 +269,10 @@ class Backward:
         self.tape.section()
 
     def _minimise(self) -> None:
-        """The input's box problem by projected Newton steps; what does not depend on them is computed in their shadow."""
+        """The input's box problem by projected Newton steps, with independent products written in between.
+
+        A Newton step waits for its divisions: the processor computes the products meanwhile.
+        """
         room = [(self.low[a] - self.u[a], self.high[a] - self.u[a]) for a in range(4)]
         inverse, step, gradient = self._newton(room, None, self.Qu)
         mixed = {**self._congruence((0, 1), (3, 4, 5, 6)), **self._congruence((2,), (3, 4, 5, 6))}
@@ -217,50 +291,6 @@ class Backward:
         self.gradient, self.step = self._keep(gradient), self._keep(step)
         self.tape.section()
         self.Y = [[*(self.W[j][3 + a] for j in range(3)), *Y_theta[a], *Y_v[a]] for a in range(4)]  # Q_ux
-
-    def _newton(
-        self, room: Sequence[tuple[Number, Number]], step: list[Number] | None, gradient: Sequence[Number]
-    ) -> tuple[dict[tuple[int, int], Any], list[Number], list[Number]]:
-        """Inverse of Q_uu over the free inputs, step projected on the box, gradient there."""
-        now = step or [self.tape.lift(0.0)] * 4
-        held = [((now[a] <= low) & (gradient[a] > 0.0)) | ((now[a] >= high) & (gradient[a] < 0.0)) for a, (low, high) in enumerate(room)]
-        masked = {
-            (a, b): held[a].where(1.0, entry) if a == b else (held[a] | held[b]).where(0.0, entry) for (a, b), entry in self.Quu.items()
-        }
-        inverse = invert(masked)
-        for a in range(4):
-            inverse[a, a] = held[a].where(0.0, inverse[a, a])
-        moves = [dot([inverse[max(a, b), min(a, b)] for b in range(4)], gradient) for a in range(4)]
-        projected = []
-        for a, (low, high) in enumerate(room):
-            target = now[a] - moves[a] if step else -moves[a]
-            projected.append(target.maximum(low).minimum(high))
-        after = [self.Qu[a] + dot([self.Quu[max(a, b), min(a, b)] for b in range(4)], projected) for a in range(4)]
-        return inverse, projected, after
-
-    def _close_gains(self) -> None:
-        """K = -(inverse over the free inputs) Q_ux."""
-        negative = [[-self.inverse[triangle(a, b)] for b in range(4)] for a in range(4)]
-        gains: list[list[Number]] = [[] for _ in range(4)]
-        for j in range(9):
-            for a in range(4):
-                gains[a].append(dot(negative[a], [self.Y[b][j] for b in range(4)]))
-        kept = self.tape.store(14, [entry for row in gains for entry in row])
-        self.K = [kept[9 * a : 9 * a + 9] for a in range(4)]
-        self.tape.section()
-
-    def _close_value(self) -> None:
-        """P = Q_xx + Q_ux' K and p = Q_x + K' gradient + Q_ux' step."""
-        for i in range(9):
-            row, slope = [self._state_curvature(i, j) for j in range(i + 1)], self.Qx[i]
-            for a in range(4):
-                for j in range(i + 1):
-                    row[j] = row[j] + self.Y[a][i] * self.K[a][j]
-                slope = slope + self.K[a][i] * self.gradient[a] + self.Y[a][i] * self.step[a]
-            self.tape.store(12, row, triangle(i, 0))
-            self.tape.store(13, [slope], i)
-            if i in (3, 5, 6, 7):
-                self.tape.section()
 
     def _state_curvature(self, i: int, j: int) -> Number:
         """Q_xx(i, j), i >= j: the state's own weight and A' P+ A."""

@@ -1,8 +1,7 @@
-"""Handing over: from when on a lane flies with the parameters of the next segment."""
+"""Segment switch: at which moment the controller takes the parameters of the next segment."""
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -12,38 +11,29 @@ from hotlap.flight.job import Job, Settings
 from hotlap.flight.numbers import INLINE
 from hotlap.race.race import SegmentSwitch
 
-FRESH = -1  # piece of a lane that has not been controlled yet
+FRESH = -1  # piece of the reference of a lane before its first control step
+BY_TIME, BY_NODE, BY_DISTANCE = range(3)  # `race.SegmentSwitch` as compiled code knows it
+_NUMBERS = {SegmentSwitch.TIME: BY_TIME, SegmentSwitch.NODE: BY_NODE, SegmentSwitch.DISTANCE: BY_DISTANCE}
 
 
-class Mode(IntEnum):
-    """`race.SegmentSwitch` as a number."""
-
-    TIME = 0
-    NODE = 1
-    DISTANCE = 2
-
-
-def mode_of(segment_switch: SegmentSwitch) -> Mode:
-    """The number that compiled code takes."""
-    return Mode[segment_switch.name]
-
-
-BY_NODE, BY_DISTANCE = int(Mode.NODE), int(Mode.DISTANCE)
+def switch_number(segment_switch: SegmentSwitch) -> int:
+    """The number by which compiled code knows a way to switch."""
+    return _NUMBERS[segment_switch]
 
 
 @njit(**INLINE)
 def piece_at(row_pieces: np.ndarray, period: float, time: float) -> int:
-    """The piece that the reference is in at a time [s]; the last row holds for ever."""
+    """The piece that the reference is in at a time [s]: that of the last row before it; a piece begins at a row."""
     return row_pieces[min(int(time / period + 1e-6), len(row_pieces) - 1)]
 
 
 @njit(**INLINE)
 def piece_flown(job: Job, s: Settings, seen: Any, k: int, before: int, time: float) -> int:
-    """The piece whose parameters a lane flies with: the reference's, or the one that the drone has come to.
+    """The piece whose parameters a lane flies with: that of the reference, or the one that the drone has come close to.
 
     Args:
-        job: whose pieces.
-        s: settings.
+        job: the batch, with the pieces of its reference.
+        s: its settings.
         seen: (10, lanes) states, raw.
         k: the lane.
         before: piece of the step before, or FRESH.

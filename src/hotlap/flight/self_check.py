@@ -1,27 +1,30 @@
-"""Self-check: do compiled lanes fly what the interpreter flies, which shares neither compiler nor kind of number with them?
+"""Self-check: does a compiled kernel fly what the same source flies in plain Python?
 
-Lanes lean on inner parts of Numba and on LLVM's code for vectors, which another release may change. So, once for each kernel that was
-compiled, short flights are flown twice: by the kernel, and by the same functions uncompiled, in plain Python on float64. Controller,
-plant, noise, judge and the refilling of lanes take part, with dead time, drag, two segments and bounds that are reached; neither a
-file nor a planner does: a drone is to hover at a place that jumps away. A horizon of few nodes keeps the interpreter's share at about
-a second; compiling a scalar controller to compare with would take seven.
+The kernels use internal parts of Numba and LLVM's code for vectors, which another release may change. So, once for each kernel that was
+compiled, short flights are flown twice: by the kernel, and in a process whose Numba does not compile (NUMBA_DISABLE_JIT), on float64.
+Controller, plant, noise, judge and the refilling of lanes take part, with dead time, drag, two segments and bounds that are reached;
+neither a file nor a planner does: a drone is to hover at a place that jumps away. A horizon of few nodes keeps the interpreter's share
+at about a second; compiling a scalar controller to compare with would take seven.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
-from types import CellType, FunctionType, ModuleType, SimpleNamespace
-from typing import Any
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from io import BytesIO
 
 import numpy as np
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
+from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
-from hotlap.flight.fly import fly_batch, prepare, settings_of
-from hotlap.flight.judge import new_verdicts
-from hotlap.flight.kernel import fly_queue, worker
+from hotlap.core.records import Flights
+from hotlap.flight.fly import fly_batch
+from hotlap.flight.kernel import worker
 from hotlap.flight.kernel_cache import remark_on
 from hotlap.flight.numbers import Numbers
 from hotlap.race.controllers import ControllerKind
@@ -39,6 +42,7 @@ REFILLED = 3  # flights beyond one a lane
 HORIZON_UNIT, SPREAD = 0.1, 0.3  # [s] of the horizon; of the logarithms of the parameters: half of the commands meet a bound
 TOLERANCE = 2e-3  # of every number in a log, in its unit and relative: single precision stays below 5e-5
 AGREES, DIFFERS = "agrees", "differs"
+PROGRAM = "import sys; from hotlap.flight.self_check import write_answer; write_answer(*sys.argv[1:])"
 
 DRONE = Quadrotor(
     name="self-check",
@@ -65,6 +69,9 @@ def agrees(numbers: Numbers, kind: ControllerKind) -> bool:
     Args:
         numbers: kind of number of the kernel.
         kind: its controller.
+
+    Raises:
+        HotlapError: the interpreter could not be started, or failed.
     """
     remark = remark_on(worker(numbers, kind))
     if remark is None:  # there is no compiler that could be wrong
@@ -81,60 +88,114 @@ def agrees(numbers: Numbers, kind: ControllerKind) -> bool:
 
 
 def check(numbers: Numbers, kind: ControllerKind) -> bool:
-    """Fly both, and compare; a kernel that cannot be compiled does not fly as it should."""
-    scenario, flights = make_scenario(kind), numbers.lanes + REFILLED
-    space, rng = scenario.space, np.random.default_rng(0)
-    steps = SPREAD * space.log_step * rng.standard_normal((flights, len(scenario.segments), space.size))
-    parameters, seeds = space.clip(space.default * np.exp(steps)), np.arange(flights, dtype=np.int64)
-    repeated = [0, numbers.lanes, flights - 1]  # the interpreter's share
-    try:
-        flown, _ = fly_batch(scenario, parameters, seeds, numbers=numbers, threads=1, log=repeated)
-    except (NumbaError, NotImplementedError, RuntimeError):
-        return False
-    logs, errors = fly_interpreted(scenario, parameters[repeated], seeds[repeated])
-    for k, i in enumerate(repeated):
-        log = flown.logs[i]
-        found = np.hstack([log.states, log.rotor_thrusts, log.commands])
-        if found.shape != logs[k].shape or not np.allclose(found, logs[k], rtol=TOLERANCE, atol=TOLERANCE):
-            return False
-    return np.allclose(flown.mean_error[repeated], errors, rtol=TOLERANCE, atol=TOLERANCE)
-
-
-def fly_interpreted(scenario: Scenario, parameters: Parameters, seeds: NDArray[np.int64]) -> tuple[list[Floats], Floats]:
-    """Fly in plain Python.
-
-    Returns:
-        For each flight, its log with the columns of `Job.logs`; and the mean errors.
-    """
-    job, gates = prepare(scenario, parameters, seeds, Numbers.FLOAT64, None, range(len(seeds)))
-    verdicts = new_verdicts(len(seeds), len(gates.times))
-    changed = {"worker": lambda numbers, kind: interpreted(worker(numbers, kind))}
-    fly = FunctionType(fly_queue.__code__, {**fly_queue.__globals__, **changed})
-    with np.errstate(over="ignore"):  # hashes overflow
-        fly(Numbers.FLOAT64, scenario.race.controller.kind, job, settings_of(scenario.race), gates, verdicts)
-    return [log[: ticks + 1] for log, ticks in zip(job.logs, verdicts.ticks, strict=True)], verdicts.mean_error
-
-
-def interpreted(function: Any, known: dict[Any, Callable[..., Any]] | None = None) -> Callable[..., Any]:
-    """A function without its compiler, and without that of all that it calls.
+    """Fly both, and compare; a kernel that cannot be compiled does not fly as it should.
 
     Args:
-        function: compiled by Numba.
-        known: functions of which there is an uncompiled one already.
+        numbers: kind of number of the kernel.
+        kind: its controller.
+
+    Raises:
+        HotlapError: the interpreter could not be started, or failed.
     """
-    known = {} if known is None else known
+    with interpreter(kind, numbers.lanes) as running:  # flies while the kernel is compiled
+        try:
+            flown = fly_compiled(numbers, kind)
+        except (NumbaError, NotImplementedError, RuntimeError):
+            return False
+        return same(flown, arrays_of(answer_of(running)))
 
-    def plain(value: Any) -> Any:
-        if isinstance(value, ModuleType) and value.__name__.startswith("hotlap.flight."):
-            return SimpleNamespace(**{name: plain(part) for name, part in vars(value).items()})
-        return interpreted(value, known) if hasattr(value, "py_func") else value
 
-    if function not in known:
-        body, names = getattr(function, "py_func", function), {}
-        closure = tuple(CellType(plain(cell.cell_contents)) for cell in body.__closure__ or ())
-        known[function] = FunctionType(body.__code__, names, body.__name__, body.__defaults__, closure)
-        names.update({name: plain(value) for name, value in body.__globals__.items()})
-    return known[function]
+def same(flown: Sequence[Floats], expected: Sequence[Floats]) -> bool:
+    """Whether two lists of logs and mean errors agree."""
+    alike = len(flown) == len(expected) and all(a.shape == b.shape for a, b in zip(flown, expected, strict=True))
+    return alike and all(np.allclose(a, b, rtol=TOLERANCE, atol=TOLERANCE) for a, b in zip(flown, expected, strict=True))
+
+
+def compared(lanes: int) -> list[int]:
+    """The flights that are flown twice: one of the first in the lanes, and two of those that refill them."""
+    return [0, lanes, lanes + REFILLED - 1]
+
+
+def draw_flights(scenario: Scenario, lanes: int) -> tuple[Parameters, NDArray[np.int64]]:
+    """Parameters and seeds of more flights than there are lanes."""
+    space, flights, rng = scenario.space, lanes + REFILLED, np.random.default_rng(0)
+    steps = SPREAD * space.log_step * rng.standard_normal((flights, len(scenario.segments), space.size))
+    return space.clip(space.default * np.exp(steps)), np.arange(flights, dtype=np.int64)
+
+
+def fly_compiled(numbers: Numbers, kind: ControllerKind) -> list[Floats]:
+    """Fly all flights with a kernel.
+
+    Returns:
+        Logs of the flights that are compared, with the columns of `Job.logs`; and their mean errors.
+    """
+    scenario, rows = make_scenario(kind), compared(numbers.lanes)
+    parameters, seeds = draw_flights(scenario, numbers.lanes)
+    flown, _ = fly_batch(scenario, parameters, seeds, numbers=numbers, threads=1, log=rows)
+    return _logged(flown, rows)
+
+
+def fly_interpreted(kind: ControllerKind, lanes: int) -> list[Floats]:
+    """Fly the flights that are compared in plain Python, as `fly_compiled`; in a process without a compiler."""
+    scenario, rows = make_scenario(kind), compared(lanes)
+    parameters, seeds = draw_flights(scenario, lanes)
+    with np.errstate(over="ignore"):  # hashes overflow
+        flown, _ = fly_batch(scenario, parameters[rows], seeds[rows], numbers=Numbers.FLOAT64, threads=1, log=range(len(rows)))
+    return _logged(flown, range(len(rows)))
+
+
+def _logged(flown: Flights, rows: Sequence[int]) -> list[Floats]:
+    """Logs and mean errors of some flights of a record."""
+    logs = [flown.logs[i] for i in rows]
+    return [*(np.hstack([log.states, log.rotor_thrusts, log.commands]) for log in logs), flown.mean_error[list(rows)]]
+
+
+@contextmanager
+def interpreter(kind: ControllerKind, lanes: int) -> Iterator[subprocess.Popen[bytes]]:
+    """A process without a compiler that does `fly_interpreted` and writes what it finds to its standard output.
+
+    Raises:
+        HotlapError: it cannot be started.
+    """
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(path or "." for path in sys.path)}
+    try:
+        running = subprocess.Popen(
+            [sys.executable or "python3", "-c", PROGRAM, str(kind), str(lanes)],
+            env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
+    except OSError as error:
+        raise HotlapError(f"Python cannot be started to check the compiled flight core: {error.strerror}") from None
+    with running:
+        try:
+            yield running
+        finally:
+            running.kill()
+
+
+def answer_of(running: subprocess.Popen[bytes]) -> bytes:
+    """Wait for the interpreter; what it has written.
+
+    Raises:
+        HotlapError: it failed.
+    """
+    answer, complaint = running.communicate()
+    if running.returncode != 0:
+        last = complaint.decode(errors="replace").strip().rpartition("\n")[2]
+        raise HotlapError(f"the check of the compiled flight core failed: {last or f'exit status {running.returncode}'}")
+    return answer
+
+
+def arrays_of(answer: bytes) -> list[Floats]:
+    """The arrays that the interpreter has written."""
+    with np.load(BytesIO(answer), allow_pickle=False) as arrays:
+        return [arrays[name] for name in arrays.files]
+
+
+def write_answer(kind: str, lanes: str) -> None:
+    """What the interpreter's process does."""
+    answer = BytesIO()
+    np.savez(answer, *fly_interpreted(ControllerKind(kind), int(lanes)))
+    sys.stdout.buffer.write(answer.getvalue())
 
 
 def make_scenario(kind: ControllerKind) -> Scenario:

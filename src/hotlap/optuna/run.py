@@ -1,4 +1,4 @@
-"""Run: one tuner at work on a study; all that it was told is in the trials, so that any process can bring it up to date."""
+"""TunerRun: one tuner at work on a study; all that it was told is in the trials, so that any process can bring it up to date."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Note:
         return None if plain is None else cls(Origin(**plain["origin"]), plain["ask"], plain["place"])
 
 
-class Run:
+class TunerRun:
     """A tuner, brought up to date from trials.
 
     Args:

@@ -20,7 +20,7 @@ from optuna.trial import FrozenTrial, TrialState
 from hotlap import tuners
 from hotlap.core.records import Scores
 from hotlap.optuna.box import Box
-from hotlap.optuna.run import KEY, Note, Origin, Run, cost_of
+from hotlap.optuna.run import KEY, Note, Origin, TunerRun, cost_of
 
 DEFAULT = "guided_walk"  # a function has no gates
 SEED = "hotlap:seed"  # of a study, in its storage
@@ -64,7 +64,7 @@ class HotlapSampler(BaseSampler):
         built = tuners.build(tuner)
         self._tuner, self._learns_from_any = built.name, bool(getattr(built, "learns_from_any", False))
         self._seed, self._startup, self._batch, self._independent = seed, startup, batch, independent_sampler
-        self._runs: dict[tuple[int, Origin], Run] = {}
+        self._runs: dict[tuple[int, Origin], TunerRun] = {}
         self._lock = threading.Lock()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -171,11 +171,11 @@ class HotlapSampler(BaseSampler):
         assert found is not None, "a new run has something to try"  # noqa: S101  our own mistake
         return found
 
-    def _run(self, study: Study, origin: Origin, box: Box, trials: Sequence[FrozenTrial]) -> Run:
+    def _run(self, study: Study, origin: Origin, box: Box, trials: Sequence[FrozenTrial]) -> TunerRun:
         """A run as far as this process has followed it."""
         key = study._study_id, origin  # noqa: SLF001  names repeat from storage to storage
         if key not in self._runs:
-            self._runs[key] = Run(origin, box, trials[origin.trial].params)
+            self._runs[key] = TunerRun(origin, box, trials[origin.trial].params)
         return self._runs[key]
 
     def _begin(self, study: Study, run: int, box: Box, costs: dict[int, float]) -> Origin:

@@ -20,6 +20,8 @@ from hotlap.system.disk_cache import digest_sources, folder
 
 ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
 SCALARS = ("duration", "cpu_time", "period")
+SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
+MAKE_NO_PLANS = ("hotlap.planning.feasibility", "hotlap.planning.passages", "hotlap.planning.preparation", "hotlap.planning.reference_csv")
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
 
 
@@ -28,7 +30,7 @@ def key(problem: Problem) -> str:
     description = {field.name: getattr(problem, field.name) for field in dataclasses.fields(problem) if field.name != "track"}
     description["quadrotor"] = problem.quadrotor.model_dump(mode="json", include=OF_QUADROTOR)
     description["ramp"] = problem.ramp and problem.ramp.model_dump(mode="json")
-    code = digest_sources("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
+    code = digest_sources(*SOURCES, without=MAKE_NO_PLANS)
     versions = [code, version("casadi"), version("numpy"), platform.machine()]
     text = json.dumps([description, versions], sort_keys=True, default=np.ndarray.tolist)
     return hashlib.sha256(text.encode()).hexdigest()[:32]

@@ -1,4 +1,4 @@
-"""Controllers: the kinds there are, and what each lets itself be tuned by; how they fly is in `flight`."""
+"""Controllers: the kinds there are, and the parameters by which each can be tuned; the control laws are in `flight`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hotlap.race.controller_kind import ControllerKind
 
 @dataclass(frozen=True)
 class Tunable:
-    """What a controller lets itself be tuned by, K parameters for each segment.
+    """The tunable parameters of a controller, K for each segment.
 
     Attributes:
         names: of the parameters.

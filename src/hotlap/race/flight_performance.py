@@ -1,4 +1,4 @@
-"""What a quadrotor can do, from its numbers alone: hover, tilt, steady flight, agility, speed around a track."""
+"""Flight performance: hover thrust, tilt, steady flight, agility and speed around a track, from the parameters of a quadrotor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quadrotor: what flies, as numbers; and every convention of hotlap in one place.
+"""Quadrotor: the physical parameters of the vehicle, and every convention of hotlap in one place.
 
 Conventions
     World frame: x forward, y left, z up; gravity along -z. Body frame: x forward, y left, z up.
@@ -31,45 +31,42 @@ class RotorLayout(StrEnum):
 
 
 class Quadrotor(Described):
-    """A quadrotor, its rate loop included.
-
-    Attributes:
-        name: what it is called.
-        mass: [kg] ready to fly, battery included.
-        inertia: [kg m^2] (body) principal moments.
-        arm: [m] distance of a rotor from the centre of mass.
-        layout: where the rotors sit.
-        rotor_thrust: [N] least and largest thrust of one rotor.
-        torque_ratio: [m] yaw torque over thrust of a rotor.
-        motor_time: [s] time constant of rotor speed, up and down.
-        drag: [1/s] (body) linear drag per mass.
-        rotor_drag: [N^0.5 s/m] in-plane drag: force = -rotor_drag * sum sqrt(thrust) * v_body_xy (RotorS).
-        body_drag: [N s^2/m^2] (body) quadratic drag: force = -body_drag v |v| along each axis.
-        rate_gain: [1/s] (body) proportional gain of the rate loop.
-        torque_damping: [-] share of the present torque that the rate loop subtracts (RotorS's second gain).
-        rate_limit: [rad/s] (body) rates that a plan may ask for.
-        delay: [s] dead time from command to rotors.
-        gravity: [m/s^2] downward acceleration.
-        provenance: where the numbers come from.
-    """
+    """Physical parameters of a quadrotor, and of the rate loop in its flight controller."""
 
     name: str = Field(min_length=1)
+    """what it is called."""
     mass: Positive
+    """[kg] ready to fly, battery included."""
     inertia: tuple[Positive, Positive, Positive]
+    """[kg m^2] (body) principal moments."""
     arm: Positive
+    """[m] distance of a rotor from the centre of mass."""
     layout: RotorLayout = RotorLayout.X
+    """where the rotors sit."""
     rotor_thrust: tuple[NotNegative, Positive]
+    """[N] least and largest thrust of one rotor."""
     torque_ratio: Positive
+    """[m] yaw torque over thrust of a rotor."""
     motor_time: tuple[NotNegative, NotNegative] = (0.02, 0.04)
+    """[s] time constant of rotor speed, up and down."""
     drag: tuple[NotNegative, NotNegative, NotNegative] = (0.0, 0.0, 0.0)
+    """[1/s] (body) linear drag per mass."""
     rotor_drag: NotNegative = 0.0
+    """[N^0.5 s/m] in-plane drag: force = -rotor_drag * sum sqrt(thrust) * v_body_xy (RotorS)."""
     body_drag: tuple[NotNegative, NotNegative, NotNegative] = (0.0, 0.0, 0.0)
+    """[N s^2/m^2] (body) quadratic drag: force = -body_drag v |v| along each axis."""
     rate_gain: tuple[Positive, Positive, Positive] = (20.0, 20.0, 8.0)
+    """[1/s] (body) proportional gain of the rate loop."""
     torque_damping: NotNegative = 0.0
+    """[-] share of the present torque that the rate loop subtracts (RotorS's second gain)."""
     rate_limit: tuple[Positive, Positive, NotNegative] = (10.0, 10.0, 3.0)
+    """[rad/s] (body) rates that a plan may ask for."""
     delay: float = Field(default=0.0, ge=0.0, le=0.25)
+    """[s] dead time from command to rotors."""
     gravity: Positive = GRAVITY
+    """[m/s^2] downward acceleration."""
     provenance: str = ""
+    """where the numbers come from."""
 
     @field_validator("mass")
     @classmethod
@@ -130,19 +127,30 @@ class Quadrotor(Described):
         return np.array(self.inertia)
 
 
+def rotor_positions(layout: RotorLayout, arm: float) -> NDArray[np.float64]:
+    """Where the four rotors sit, seen from the centre of mass, shape (4, 2) [m] (body): x forward, y left.
+
+    Args:
+        layout: on the diagonals or on the axes.
+        arm: [m] distance from the centre of mass.
+    """
+    if layout is RotorLayout.X:
+        lever = arm * math.sqrt(0.5)
+        return lever * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
+    return arm * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+
+
 def torque_matrix(layout: RotorLayout, arm: float, torque_ratio: float) -> NDArray[np.float64]:
     """Torque (body) of each rotor per newton of thrust: a rotor at (x, y) makes a roll torque of y and a pitch torque of -x.
 
     Args:
         layout: where the rotors sit.
         arm: [m] distance from the centre of mass.
-        torque_ratio: [m] yaw torque over thrust.
+        torque_ratio: [m] yaw torque over thrust; neighbouring rotors turn against each other.
 
     Returns:
         Shape (3, 4) [m].
     """
-    spin = torque_ratio
-    if layout is RotorLayout.X:
-        lever = arm * math.sqrt(0.5)
-        return np.array([[lever, -lever, -lever, lever], [-lever, -lever, lever, lever], [spin, -spin, spin, -spin]])
-    return np.array([[0, arm, 0, -arm], [-arm, 0, arm, 0], [-spin, spin, -spin, spin]])
+    x, y = rotor_positions(layout, arm).T
+    first = 1.0 if layout is RotorLayout.X else -1.0
+    return np.array([y, 0.0 - x, torque_ratio * first * np.array([1.0, -1.0, 1.0, -1.0])])  # 0 - x: no negative zeros

@@ -16,39 +16,33 @@ from hotlap.race.track import Track
 
 
 class Ramp(Described):
-    """Limits of a plan that grow over the first metres (rpg_time_optimal's thrust and rate ramp).
-
-    Attributes:
-        distance: [m] along the waypoints until the limits are full.
-        thrust_to_weight: [-] at the start.
-        rate: [rad/s] roll and pitch rate at the start.
-    """
+    """Limits of a plan that grow over the first metres (rpg_time_optimal's thrust and rate ramp)."""
 
     distance: Positive
+    """[m] along the waypoints until the limits are full."""
     thrust_to_weight: float = Field(gt=1)
+    """[-] at the start."""
     rate: Positive
+    """[rad/s] roll and pitch rate at the start."""
 
 
 class PlanningSettings(Described):
-    """What the planner may use.
-
-    Attributes:
-        quadrotor: the planning model. None: the vehicle with `thrust_share` of its thrust.
-        thrust_share: [-] share of the vehicle's rotor thrust left to the plan where no `quadrotor` is given.
-        v_max: [m/s] terminal speed of the planner's linear drag at full thrust in level flight. None: the quadrotor's own drag.
-        tolerance: [m] how far from a waypoint the plan may pass.
-        nodes: shooting intervals between two waypoints.
-        ramp: limits that grow over the first metres. None: full from the start.
-        floor: [m] height below which the plan does not go. None: the track's floor.
-    """
+    """Settings of the planner: the quadrotor that it plans for, and the limits of the plan."""
 
     quadrotor: Quadrotor | None = None
+    """the planning model. None: the vehicle with `thrust_share` of its thrust."""
     thrust_share: float = Field(default=0.75, gt=0, le=1)
+    """[-] share of the vehicle's rotor thrust left to the plan where no `quadrotor` is given."""
     v_max: float | None = Field(default=None, gt=0, le=200)
+    """[m/s] terminal speed of the planner's linear drag at full thrust in level flight. None: the quadrotor's own drag."""
     tolerance: float = Field(default=0.2, gt=0, le=5)
+    """[m] how far from a waypoint the plan may pass."""
     nodes: int = Field(default=12, ge=4, le=100)
+    """shooting intervals between two waypoints."""
     ramp: Ramp | None = None
+    """limits that grow over the first metres. None: full from the start."""
     floor: float | None = None
+    """[m] height below which the plan does not go. None: the track's floor."""
 
 
 class ReferenceTime(StrEnum):
@@ -59,12 +53,12 @@ class ReferenceTime(StrEnum):
 
 
 def _of_kind(values: dict[str, Any], name: str) -> tuple[float, ...]:
-    """Bounds or defaults of the controller's kind."""
+    """Bounds (`low`, `high`) or defaults of the tunable parameters of the chosen kind of controller."""
     return getattr(TUNABLE[values.get("kind", ControllerKind.MPC)], name)
 
 
 class SegmentSwitch(StrEnum):
-    """From when on the controller takes the parameters of the next segment.
+    """When the controller changes to the parameters of the next segment.
 
     TIME: when the reference enters it, for the whole horizon.
     NODE: each node of the horizon has the weights of the segment that the reference is in at that node; the horizon itself as for TIME.
@@ -77,45 +71,42 @@ class SegmentSwitch(StrEnum):
 
 
 class ControllerSettings(Described):
-    """Settings of the controller that are not tuned (Eq. 3 of the paper).
-
-    Attributes:
-        kind: which controller flies.
-        nodes: N, intervals of the horizon.
-        period: [s] of the control loop.
-        sweeps: box-constrained Riccati sweeps per control step.
-        thrust: [m/s^2] least and largest collective thrust per mass.
-        rates: [rad/s] largest body rates (symmetric bounds).
-        input_weights: R of thrust, roll and pitch rate, yaw rate.
-        horizon_unit: [s] time that a horizon parameter of 1 stands for.
-        feed_forward: take the reference's inputs as the inputs to stay close to (else hover).
-        predict: predict the state over the model's dead time.
-        reference_time: what a predicting controller compares with: the reference when the command acts, or now.
-        segment_switch: from when on it takes the parameters of the next segment.
-        segment_switch_distance: [m] how close is close, for the segment_switch "distance".
-        low: least values of what is tuned: Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon; or of what another kind has.
-        high: largest values of the same.
-        default: first values of the same.
-    """
+    """Settings of the controller that are not tuned (Eq. 3 of the paper)."""
 
     renamed: ClassVar[Mapping[str, str]] = {"handover": "segment_switch", "handover_distance": "segment_switch_distance"}
 
     kind: ControllerKind = ControllerKind.MPC
+    """which controller flies."""
     nodes: int = Field(default=20, ge=2, le=100)
+    """N, intervals of the horizon."""
     period: float = Field(default=0.01, gt=0, le=0.1)
+    """[s] of the control loop."""
     sweeps: int = Field(default=2, ge=1, le=10)
+    """box-constrained Riccati sweeps per control step."""
     thrust: tuple[NotNegative, Positive] = (0.1, 20.0)
+    """[m/s^2] least and largest collective thrust per mass."""
     rates: tuple[Positive, Positive, Positive] = (10.0, 10.0, 3.0)
+    """[rad/s] largest body rates (symmetric bounds)."""
     input_weights: tuple[Positive, Positive, Positive] = (1.0, 1.0, 1.0)
+    """R of thrust, roll and pitch rate, yaw rate."""
     horizon_unit: Positive = 0.5
+    """[s] time that a horizon parameter of 1 stands for."""
     feed_forward: bool = True
+    """take the reference's inputs as the inputs to stay close to (else hover)."""
     predict: bool = True
+    """predict the state over the model's dead time."""
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
+    """what a predicting controller compares with: the reference when the command acts, or now."""
     segment_switch: SegmentSwitch = SegmentSwitch.TIME
+    """from when on it takes the parameters of the next segment."""
     segment_switch_distance: Positive = 6.0
+    """[m] how close is close, for the segment_switch "distance"."""
     low: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "low"))
+    """least values of what is tuned: Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon; or of what another kind has."""
     high: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "high"))
+    """largest values of the same."""
     default: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "default"))
+    """first values of the same."""
 
     @model_validator(mode="after")
     def _ordered(self) -> ControllerSettings:
@@ -140,35 +131,32 @@ PLANT_STEP = 0.0025  # s, of the built-in plant
 
 
 class NoiseSettings(Described):
-    """Standard deviations of what differs from flight to flight.
-
-    Attributes:
-        thrust: [-] relative actuation noise, correlated over `time`.
-        rates: [rad/s] actuation noise of the body rates, correlated over `time`.
-        time: [s] correlation time of the actuation noise.
-        thrust_bias: [-] relative thrust error, constant over a flight.
-        position: [m] of the initial state.
-        velocity: [m/s] of the initial state.
-        attitude: [-] of the initial state, quaternion parts.
-        measured_position: [m] of the state that the controller sees, white.
-        measured_velocity: [m/s] likewise.
-        measured_attitude: [-] likewise, quaternion parts.
-        wind: [m/s^2] (world) acceleration by gusts, correlated over `wind_time`.
-        wind_time: [s] correlation time of the gusts.
-    """
+    """Standard deviations of the noise, which differs from flight to flight."""
 
     thrust: NotNegative = 0.02
+    """[-] relative actuation noise, correlated over `time`."""
     rates: NotNegative = 0.1
+    """[rad/s] actuation noise of the body rates, correlated over `time`."""
     time: NotNegative = 0.1
+    """[s] correlation time of the actuation noise."""
     thrust_bias: NotNegative = 0.01
+    """[-] relative thrust error, constant over a flight."""
     position: NotNegative = 0.05
+    """[m] of the initial state."""
     velocity: NotNegative = 0.05
+    """[m/s] of the initial state."""
     attitude: NotNegative = 0.01
+    """[-] of the initial state, quaternion parts."""
     measured_position: NotNegative = 0.0
+    """[m] of the state that the controller sees, white."""
     measured_velocity: NotNegative = 0.0
+    """[m/s] likewise."""
     measured_attitude: NotNegative = 0.0
+    """[-] likewise, quaternion parts."""
     wind: NotNegative = 0.0
+    """[m/s^2] (world) acceleration by gusts, correlated over `wind_time`."""
     wind_time: Positive = 1.0
+    """[s] correlation time of the gusts."""
 
 
 class GateRule(StrEnum):
@@ -190,49 +178,43 @@ def _gate_distance(values: dict[str, Any]) -> float:
 
 
 class JudgeSettings(Described):
-    """How a flight is judged.
-
-    Attributes:
-        rule: when a gate counts as passed.
-        distance: [m] how close is close enough; default 1.3, 1.2 for the rule "released".
-        crash: [m] distance from the clocked reference beyond which the drone has crashed.
-        window: [s] before and after the reference's passage, for the rule "closest".
-        rate_crash: [rad/s] body rate beyond which the drone has crashed.
-        fly_on: go on after a missed gate until the crash or the end (for dense scores).
-    """
+    """How a flight is judged."""
 
     rule: GateRule = GateRule.CLOCK
+    """when a gate counts as passed."""
     distance: float = Field(default_factory=_gate_distance, gt=0, le=20)
+    """[m] how close is close enough; default 1.3, 1.2 for the rule "released"."""
     crash: float = Field(default=10.0, gt=0, le=1000)
+    """[m] distance from the clocked reference beyond which the drone has crashed."""
     window: tuple[NotNegative, NotNegative] = (1.0, 2.0)
+    """[s] before and after the reference's passage, for the rule "closest"."""
     rate_crash: float = Field(default=60.0, gt=0)
+    """[rad/s] body rate beyond which the drone has crashed."""
     fly_on: bool = False
+    """go on after a missed gate until the crash or the end (for dense scores)."""
 
 
 class Race(Described):
-    """Everything that a flight depends on, apart from parameters and seed.
-
-    Attributes:
-        name: what it is called.
-        track: what is flown.
-        vehicle: the quadrotor that flies it.
-        model: what controller and planner believe about the vehicle. None: the vehicle.
-        planning: what the planner may use.
-        controller: settings of the controller that are not tuned.
-        noise: what differs from flight to flight.
-        judge: how a flight is judged.
-        provenance: where the settings come from.
-    """
+    """Everything that a flight depends on, apart from parameters and seed."""
 
     name: str = Field(min_length=1)
+    """what it is called."""
     track: Track
+    """what is flown."""
     vehicle: Quadrotor
+    """the quadrotor that flies it."""
     model: Quadrotor | None = None
+    """the vehicle as controller and planner know it. None: the vehicle itself."""
     planning: PlanningSettings = PlanningSettings()
+    """what the planner may use."""
     controller: ControllerSettings = ControllerSettings()
+    """settings of the controller that are not tuned."""
     noise: NoiseSettings = NoiseSettings()
+    """what differs from flight to flight."""
     judge: JudgeSettings = JudgeSettings()
+    """how a flight is judged."""
     provenance: str = ""
+    """where the settings come from."""
 
     def with_controller(self, kind: ControllerKind) -> Race:
         """The same race flown by another controller, with the bounds and defaults of its kind."""
@@ -242,12 +224,12 @@ class Race(Described):
 
     @property
     def control_model(self) -> Quadrotor:
-        """What the controller takes the vehicle for."""
+        """The quadrotor that the controller's model describes: `model`, or the vehicle itself where no model is given."""
         return self.model or self.vehicle
 
     @property
     def planning_model(self) -> Quadrotor:
-        """The quadrotor that the plan is made for."""
+        """The quadrotor that the planner plans for: `planning.quadrotor`, or the control model with a share of its rotor thrust."""
         if self.planning.quadrotor is not None:
             return self.planning.quadrotor
         low, high = self.control_model.rotor_thrust

@@ -1,4 +1,4 @@
-"""Layouts: random tracks from a seed, for experiments that must not touch the built-in ones."""
+"""Random tracks: drawn from a seed, for experiments that must not use the built-in tracks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What everything that can be written as TOML shares: frozen, checked, unknown keys refused."""
+"""Schema: the base class of everything that is written as TOML: frozen, values checked, unknown keys refused."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ NotNegative = Annotated[float, Field(ge=0)]
 class Described(BaseModel):
     """A frozen description with checked keys; NaN and infinity are refused.
 
-    Attributes:
-        renamed: keys of before, which files may still use, and what they are called now.
+    The docstring below a key is its documentation: the unit in brackets, then its meaning. Tables, templates and error messages show it.
     """
 
     renamed: ClassVar[Mapping[str, str]] = {}
+    """Former names of keys, which files may still use, and their present names."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
     @property
     def fingerprint(self) -> str:

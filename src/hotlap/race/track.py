@@ -14,15 +14,12 @@ REACH = 1e5  # m: beyond this a coordinate is a mistake of units
 
 
 class Gate(Described):
-    """A waypoint that counts.
-
-    Attributes:
-        position: [m] (world) its centre.
-        yaw: [rad] heading of its normal, for pictures and for worlds that draw gates; the plan does not use it.
-    """
+    """A waypoint that a flight has to pass; waypoints that are no gates are only planned."""
 
     position: Vector3
+    """[m] (world) its centre."""
     yaw: float | None = None
+    """[rad] heading of its normal, for pictures and for worlds that draw gates; the plan does not use it."""
 
     @model_validator(mode="before")
     @classmethod
@@ -35,25 +32,22 @@ class Gate(Described):
 
 
 class Track(Described):
-    """An ordered list of gates. World frame: x forward, y left, z up.
-
-    Attributes:
-        name: what it is called.
-        start: [m] (world) position at rest.
-        attitude: (w, x, y, z) body to world at the start, normalised on reading.
-        gates: the waypoints that count, in order.
-        end: [m] (world) where the plan ends; passed like a gate but not counted. None: at the last gate.
-        floor: [m] (world) height below which the drone has crashed. None: there is none.
-        provenance: where the numbers come from.
-    """
+    """An ordered list of gates. World frame: x forward, y left, z up."""
 
     name: str = Field(min_length=1)
+    """what it is called."""
     start: Vector3
+    """[m] (world) position at rest."""
     attitude: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    """(w, x, y, z) body to world at the start, normalised on reading."""
     gates: tuple[Gate, ...] = Field(min_length=1)
+    """the waypoints that count, in order."""
     end: Vector3 | None = None
+    """[m] (world) where the plan ends; passed like a gate but not counted. None: at the last gate."""
     floor: float | None = None
+    """[m] (world) height below which the drone has crashed. None: there is none."""
     provenance: str = ""
+    """where the numbers come from."""
 
     @field_validator("attitude")
     @classmethod

@@ -7,20 +7,36 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.errors import HotlapError
 from hotlap.race.quadrotor import Quadrotor
 
 Floats = NDArray[np.float64]
 
-VEHICLE_PARAMETERS = (
-    "mass", "inertia_x", "inertia_y", "inertia_z", "arm", "torque_ratio", "rotor_thrust_min", "rotor_thrust_max", "motor_time_up",
-    "motor_time_down", "drag_x", "drag_y", "drag_z", "rotor_drag", "body_drag_x", "body_drag_y", "body_drag_z", "rate_gain_x",
-    "rate_gain_y", "rate_gain_z", "torque_damping", "delay", "gravity",
-)  # fmt: skip
+COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "mass": ("mass",),
+    "inertia": ("inertia_x", "inertia_y", "inertia_z"),
+    "arm": ("arm",),
+    "torque_ratio": ("torque_ratio",),
+    "rotor_thrust": ("rotor_thrust_min", "rotor_thrust_max"),
+    "motor_time": ("motor_time_up", "motor_time_down"),
+    "drag": ("drag_x", "drag_y", "drag_z"),
+    "rotor_drag": ("rotor_drag",),
+    "body_drag": ("body_drag_x", "body_drag_y", "body_drag_z"),
+    "rate_gain": ("rate_gain_x", "rate_gain_y", "rate_gain_z"),
+    "torque_damping": ("torque_damping",),
+    "delay": ("delay",),
+    "gravity": ("gravity",),
+}
+"""Names of the numbers that each physical parameter of `Quadrotor` consists of."""
+
+VEHICLE_PARAMETERS = tuple(name for names in COLUMNS.values() for name in names)
 """Columns of `vehicle_parameters` in `World.fly`: what may differ from flight to flight, in the units of `Quadrotor`."""
+
+NEVER_ZERO = ("mass", "inertia", "arm", "torque_ratio")
 
 MASSES = ("mass", "inertia_x", "inertia_y", "inertia_z")
 DRAGS = ("drag_x", "drag_y", "drag_z", "rotor_drag", "body_drag_x", "body_drag_y", "body_drag_z")
-FORCES = (*MASSES, *DRAGS[3:])  # what weighs less by a thrust that is stronger at every command: all but the rotors
+FORCES = (*MASSES, *DRAGS[3:])  # thrust that is stronger by a factor is the same as these being smaller by it
 
 UNCERTAIN: Mapping[str, tuple[str, ...]] = {
     "mass": MASSES,
@@ -29,16 +45,34 @@ UNCERTAIN: Mapping[str, tuple[str, ...]] = {
     "drag": DRAGS,
     "dead time": ("delay",),
 }
-"""What is not known for certain of a vehicle, and the columns of `VEHICLE_PARAMETERS` that it multiplies; more thrust divides them."""
+"""What is uncertain about a vehicle, and the columns of `VEHICLE_PARAMETERS` that it multiplies; more thrust divides them."""
 
 
 def vehicle_parameters_of(quadrotor: Quadrotor) -> Floats:
     """The physical parameters of a quadrotor, shape (P,), in the order of `VEHICLE_PARAMETERS`."""
-    q = quadrotor
-    return np.array([
-        q.mass, *q.inertia, q.arm, q.torque_ratio, *q.rotor_thrust, *q.motor_time, *q.drag, q.rotor_drag, *q.body_drag, *q.rate_gain,
-        q.torque_damping, q.delay, q.gravity,
-    ])  # fmt: skip
+    parts = ((names, np.ravel(getattr(quadrotor, part))) for part, names in COLUMNS.items())
+    values = {name: number for names, numbers in parts for name, number in zip(names, numbers, strict=True)}
+    return np.array([values[name] for name in VEHICLE_PARAMETERS])
+
+
+def check_vehicle_parameters(vehicle_parameters: Floats) -> None:
+    """Refuse rows of vehicle parameters that no vehicle has.
+
+    Raises:
+        HotlapError: the shape is not (B, P); a number is not finite or is negative; a mass, an inertia, an arm or a torque ratio is 0.
+    """
+    if vehicle_parameters.ndim != 2 or vehicle_parameters.shape[1] != len(VEHICLE_PARAMETERS):
+        raise HotlapError(f"vehicle_parameters must have the columns {', '.join(VEHICLE_PARAMETERS)}, not shape {vehicle_parameters.shape}")
+    bad = ~(np.isfinite(vehicle_parameters) & (vehicle_parameters >= 0))
+    bad |= (vehicle_parameters == 0) & np.isin(VEHICLE_PARAMETERS, [name for part in NEVER_ZERO for name in COLUMNS[part]])
+    if bad.any():
+        row, column = np.argwhere(bad)[0]
+        raise HotlapError(f"vehicle_parameters[{row}]: {VEHICLE_PARAMETERS[column]} cannot be {vehicle_parameters[row, column]:g}")
+
+
+def part_of(vehicle_parameters: Floats, part: str) -> Floats:
+    """The columns of one physical parameter of `Quadrotor`, by its name, shape (..., 1) or what the parameter consists of."""
+    return vehicle_parameters[..., [VEHICLE_PARAMETERS.index(name) for name in COLUMNS[part]]]
 
 
 def scale(vehicle_parameters: Floats, names: tuple[str, ...], factor: float | Floats) -> Floats:
@@ -54,7 +88,7 @@ def draw_vehicle_parameters(quadrotor: Quadrotor, seeds: NDArray[np.int64], spre
 
     Args:
         quadrotor: that they are drawn around.
-        seeds: shape (B,); the same seed is the same world.
+        seeds: shape (B,); the same seed is the same vehicle.
         spread: 0 to below 1.
 
     Returns:

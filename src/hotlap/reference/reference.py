@@ -7,17 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-PERIOD = 0.01  # s, of every reference table
+PERIOD = 0.01  # s between the rows of references that are planned, or read from files
 
 
 def row_times(duration: float) -> NDArray[np.float64]:
-    """Times of the rows up to a duration, shape (rows,) [s]; a row at the duration itself counts."""
+    """Times of the rows of such a reference up to a duration, shape (rows,) [s]; a row at the duration itself counts."""
     return np.arange(int(np.floor(duration / PERIOD + 1e-9)) + 1, dtype=np.float64) * PERIOD
 
 
 @dataclass(frozen=True)
 class Reference:
-    """States and inputs every 10 ms, from rest at the start to beyond the end.
+    """States and inputs in rows of equal time, from rest at the start to beyond the end.
 
     Rows from `duration` on are the run-out: smooth, never judged.
 

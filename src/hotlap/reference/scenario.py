@@ -16,12 +16,12 @@ from hotlap.reference.segmentation import Segments
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a world flies.
+    """Everything that a flight needs but parameters and seed: what a world flies.
 
     Attributes:
         race: track, vehicle and settings.
-        reference: what is to be followed.
-        segments: its parts that have parameters of their own.
+        reference: the flight that the controller is asked to repeat.
+        segments: the parts of the reference that have parameters of their own.
     """
 
     race: Race
@@ -30,7 +30,7 @@ class Scenario:
 
     @property
     def space(self) -> ParameterSpace:
-        """What can be tuned, per segment."""
+        """The tunable parameters of one segment, with their bounds."""
         settings = self.race.controller
         return space_of(settings.kind, settings.low, settings.high, settings.default)
 

@@ -1,4 +1,4 @@
-"""Segmentation rules: ways to cut a reference into segments; `segmentation.Rule` names them.
+"""Segmentation rules: ways to cut a reference into segments; `segmentation.SegmentationRule` names them.
 
 By height, the paper's Sec. IV-C:
 

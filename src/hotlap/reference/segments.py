@@ -1,4 +1,4 @@
-"""Segments: which parameters are flown with when."""
+"""Segments: the parts of a reference, each of which has controller parameters of its own."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Segments:
-    """What has parameters of its own: S segments, each of one or more of the P consecutive pieces of a reference.
+    """S segments of a reference, each of one or more of its P consecutive pieces; each segment has parameters of its own.
 
     Attributes:
         starts: [s] shape (P,), of the pieces, ascending; the first is 0.

@@ -1,7 +1,8 @@
-"""Report: what a plan or a study looks like.
+"""Report: pictures, pages and films of plans and studies.
 
     study, flights -> scene, history (plain data) -> figures (matplotlib) -> pictures (files)
     reference -> map (text)
+    scene -> projection (geometry of all drawings of a track)
 
-Data are prepared apart from drawing, so that every way of showing them shows the same. Nothing below imports this package.
+Data are prepared in modules of their own, so that pictures, page and film show the same. No package below imports this one.
 """

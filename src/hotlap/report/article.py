@@ -1,4 +1,4 @@
-"""Article: text, tables and pictures for people, written once and shown as Markdown or as one HTML file that needs nothing else."""
+"""Article: text, tables and pictures, written once and saved as Markdown and as one HTML file that loads nothing from elsewhere."""
 
 from __future__ import annotations
 
@@ -8,59 +8,60 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from markdown_it import MarkdownIt
+
 from hotlap.report.markup import element, text
 from hotlap.report.markup import table as table_of
-from hotlap.report.style_sheet import STYLE
 
 KINDS = {".png": "image/png", ".svg": "image/svg+xml"}
 _NUMBER = re.compile(r"([-+]?[\d.]+( ?[%(\[/].*)?|-( \[.*)?)?", re.DOTALL)
-_MARKS = re.compile(r"`(?P<code>[^`]+)`|\*\*(?P<strong>\S[^*]*)\*\*|\*(?P<em>[^*\s][^*]*)\*")
+_INLINE = MarkdownIt("zero").enable(["backticks", "emphasis"])  # all other characters are text, those of HTML too
 
 
 @dataclass(frozen=True)
 class Heading:
-    """Of a section."""
+    """The heading of a section."""
 
     words: str
 
     def markdown(self) -> str:
-        """A line."""
+        """The heading as a line of Markdown."""
         return f"## {self.words}"
 
     def html(self) -> str:
-        """An element."""
+        """The heading as an HTML element."""
         return element("h2", inline(self.words))
 
 
 @dataclass(frozen=True)
 class Paragraph:
-    """Some sentences, in which `code`, *emphasis* and **more of it** may stand."""
+    """Some sentences; `code`, *emphasis* and **strong emphasis** are marked as in Markdown."""
 
     words: str
 
     def markdown(self) -> str:
-        """As it is written."""
+        """The sentences as they were written."""
         return self.words
 
     def html(self) -> str:
-        """An element."""
+        """The sentences as an HTML element."""
         return element("p", inline(self.words))
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of cells below their heads."""
+    """A table: the heads of its columns, and rows of cells."""
 
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
     def markdown(self) -> str:
-        """With pipes."""
+        """The table in Markdown, columns separated by bars."""
         lines = [f"| {' | '.join(self.heads)} |", f"|{'---|' * len(self.heads)}"]
         return "\n".join([*lines, *(f"| {' | '.join(row)} |" for row in self.rows)])
 
     def html(self) -> str:
-        """An element; columns of numbers are aligned to the right."""
+        """The table as an HTML element; columns of numbers are aligned to the right."""
         columns = enumerate(zip(*self.rows, strict=True))
         numbers = [j for j, column in columns if all(_NUMBER.fullmatch(cell.strip()) for cell in column)]
         return table_of(self.heads, self.rows, numbers=numbers)
@@ -68,17 +69,17 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A file beside the article."""
+    """A picture: a file in the folder of the article, and its caption."""
 
     path: Path
     caption: str
 
     def markdown(self) -> str:
-        """A reference to the file."""
+        """A reference to the file in Markdown."""
         return f"![{self.caption}]({self.path.name})"
 
     def html(self) -> str:
-        """The picture itself, within the page."""
+        """The picture with its caption as an HTML element that contains the file."""
         content = base64.b64encode(self.path.read_bytes()).decode("ascii")
         image = f'<img src="data:{KINDS[self.path.suffix]};base64,{content}" alt="{text(self.caption)}">'
         return element("figure", image + element("figcaption", inline(self.caption)))
@@ -86,12 +87,12 @@ class Picture:
 
 @dataclass
 class Article:
-    """From top to bottom.
+    """A title, and the parts of the article from top to bottom.
 
     Attributes:
-        title: of all of it.
+        title: of the whole article.
         parts: headings, paragraphs, tables and pictures.
-        source: name of the file beside it that holds what it says; "" for none.
+        source: name of the file with the results that the article reports, in the same folder; "" for none.
     """
 
     title: str
@@ -99,34 +100,34 @@ class Article:
     source: str = ""
 
     def say(self, words: str) -> None:
-        """A paragraph."""
+        """Add a paragraph."""
         self.parts.append(Paragraph(words))
 
     def head(self, words: str) -> None:
-        """A heading below the title."""
+        """Add the heading of a section."""
         self.parts.append(Heading(words))
 
     def table(self, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-        """A table; numbers as they are written."""
+        """Add a table; cells that are no text are converted by `str`."""
         self.parts.append(Table(tuple(heads), tuple(tuple(map(str, row)) for row in rows)))
 
     def picture(self, path: Path, caption: str) -> None:
-        """A picture, one of `KINDS`, that lies beside the article."""
+        """Add a picture: a file of one of `KINDS` in the folder of the article."""
         self.parts.append(Picture(path, caption))
 
     @property
     def pictures(self) -> list[Path]:
-        """Files that were drawn."""
+        """Paths of all pictures."""
         return [part.path for part in self.parts if isinstance(part, Picture)]
 
     @property
     def markdown(self) -> str:
-        """The whole, with its pictures beside it."""
+        """The article as Markdown; its pictures stay files of their own."""
         return "\n\n".join([f"# {self.title}", *(part.markdown() for part in self.parts)]) + "\n"
 
     @property
     def html(self) -> str:
-        """The whole in one file, with its pictures in it.
+        """The article as one HTML file that contains its pictures.
 
         Raises:
             OSError: a picture cannot be read.
@@ -141,5 +142,41 @@ class Article:
 
 
 def inline(words: str) -> str:
-    """Words as HTML, with the few marks that a paragraph may have."""
-    return _MARKS.sub(lambda found: element(str(found.lastgroup), found[str(found.lastgroup)]), text(words))
+    """Words as HTML: `code`, *emphasis* and **strong emphasis** become elements, all other marks stay text."""
+    return _INLINE.renderInline(words)
+
+
+def percent(share: float) -> str:
+    """A share, 0 to 1, in whole per cent, without the sign."""
+    return f"{100 * share:.0f}"
+
+
+STYLE = """
+:root { color-scheme: light dark; --ink: #1d2228; --quiet: #626b75; --line: #d9dde2; --paper: #ffffff; --accent: #0063a6; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e9ed; --quiet: #9aa4af; --line: #343c46; --paper: #14181d; --accent: #6cb6f0; }
+}
+body { margin: 0; background: var(--paper); color: var(--ink); font: 16px/1.5 system-ui, sans-serif; }
+main { max-width: 72rem; margin: 0 auto; padding: 1.5rem 1rem 4rem; }
+h1 { font-size: 1.6rem; line-height: 1.2; margin: 0 0 1rem; }
+h2 { font-size: 1.15rem; margin: 2.5rem 0 0.5rem; }
+p, figcaption { max-width: 46rem; }
+figcaption { color: var(--quiet); font-size: 0.85rem; margin-top: 0.3rem; }
+figure { margin: 1.5rem 0; }
+img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
+a { color: var(--accent); }
+code { font: 0.9em ui-monospace, monospace; }
+.wide { overflow-x: auto; margin: 1rem 0; }
+table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums; }
+th, td { padding: 0.3rem 0.9rem 0.3rem 0; text-align: left; border-bottom: 1px solid var(--line); white-space: nowrap; }
+thead th { color: var(--quiet); font-weight: 500; }
+tbody th { font-weight: 500; }
+th.number, td.number { text-align: right; }
+@media print {
+  :root { --ink: #000000; --quiet: #444444; --line: #bbbbbb; --paper: #ffffff; }
+  main { max-width: none; padding: 0; }
+  table { font-size: 0.7rem; }
+  figure, tr { break-inside: avoid; }
+  h2 { break-after: avoid; }
+}
+""".strip()

@@ -1,4 +1,4 @@
-"""Pictures of a comparison: how completion grows with flights on each race, and a performance profile over all of them."""
+"""Comparison of tuners: an article with tables, curves of completion over flights on each race, and a performance profile."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 
 from hotlap.analysis.comparison import Run
-from hotlap.analysis.comparison_table import completion_band, profiles
+from hotlap.analysis.comparison_table import Row, cells_of, completion_band, overall, profiles, rows_of
+from hotlap.report.article import Article
 from hotlap.report.pictures import save
 from hotlap.report.style import NORMAL, SMALL, headline, headline_width, place_axes, styled
 
@@ -26,13 +27,44 @@ ACROSS = 4  # charts in a row
 BAND_UP_TO = 6  # tuners; bands of more would hide each other
 TITLE = "Tuners on equal terms"
 FACTORS = np.geomspace(1, 100, 200)
+CAPTIONS = {
+    "curves": "Completion of the best candidate so far over flights, median of all seeds",
+    "profile": "Share of all races and seeds that were solved within a multiple of the fastest tuner's flights",
+}
+
+
+def compose_article(runs: Sequence[Run], pictures: Sequence[Path], source: str, command: str) -> Article:
+    """The article of a comparison: tables over all races and race by race, with the pictures.
+
+    Args:
+        runs: at least one.
+        pictures: files that were drawn of the runs.
+        source: name of the file with the runs, in the folder of the article.
+        command: shell command that does the comparison again.
+    """
+    races, seeds = list(dict.fromkeys(run.race for run in runs)), len({run.seed for run in runs})
+    article = Article(f"Tuners compared on {', '.join(races) if len(races) <= 3 else f'{len(races)} races'}", source=source)
+    article.say(
+        f"Every tuner began at the same first guess and met the same noise, {seeds} {'seed' if seeds == 1 else 'seeds'} on each race. "
+        "*Confirmed*: the share of runs that found a controller which passed its re-flights. *Validated*: the share of fresh flights in "
+        "which that controller then met the goal. In brackets: 95 % intervals, for flights the quartiles."
+    )
+    article.head("Over all races")
+    _add_table(article, overall(runs))
+    for path in pictures:
+        article.picture(path, CAPTIONS.get(path.stem, path.stem))
+    article.head("Race by race")
+    _add_table(article, rows_of(runs))
+    article.head("Run it again")
+    article.say(f"`{command}`")
+    return article
 
 
 def draw_comparison(folder: Path, runs: Sequence[Run]) -> tuple[Path, ...]:
-    """Draw both pictures.
+    """Draw the curves and the performance profile.
 
     Args:
-        folder: where they go.
+        folder: for the pictures.
         runs: at least one.
 
     Returns:
@@ -88,8 +120,15 @@ def profile(runs: Sequence[Run]) -> Figure:
     return figure
 
 
+def _add_table(article: Article, rows: Sequence[Row]) -> None:
+    """Add rows as a table, without columns that are empty."""
+    columns = [column for column in zip(*cells_of(rows), strict=True) if any(column[1:])]
+    heads, *body = zip(*columns, strict=True)
+    article.table(heads, body)
+
+
 def _draw_race(axes: Axes, race: str, runs: Sequence[Run], looks: Mapping[str, Mapping[str, Any]]) -> None:
-    """The curves of one race."""
+    """Completion over flights of all tuners on one race."""
     axes.grid(visible=True)
     longest = max(run.budget for run in runs)
     for tuner, look in looks.items():
@@ -110,7 +149,7 @@ def _draw_race(axes: Axes, race: str, runs: Sequence[Run], looks: Mapping[str, M
 
 
 def _places(longest: int) -> NDArray[np.int64]:
-    """Flights at which a curve is looked at: all of the first hundred, then ever fewer."""
+    """Numbers of flights at which a curve is drawn: each of the first hundred, then evenly on the logarithmic axis."""
     return np.unique(np.concatenate([np.arange(1, min(longest, 100) + 1), np.geomspace(1, longest, 100).round()])).astype(np.int64)
 
 
@@ -135,7 +174,7 @@ def _looks(runs: Sequence[Run]) -> dict[str, dict[str, Any]]:
 
 
 def _draw_key(figure: Figure, looks: Mapping[str, Mapping[str, Any]], across: int) -> None:
-    """What the lines mean, below the charts."""
+    """The legend below the charts."""
     width, height = (float(value) for value in figure.get_size_inches())
     for k, (tuner, look) in enumerate(looks.items()):
         left, level = LEFT + (k % across) * (WIDTH + GAP), KEY_LINE * (math.ceil(len(looks) / across) - k // across)

@@ -1,4 +1,4 @@
-"""Convergence: every flight of a search, and the best so far."""
+"""Convergence: completion and cost of every flight of a search, and of the best flight so far."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WIDTH, HEIGHT = 7.0, 1.75  # inches of each chart
 
 @styled
 def convergence(history: History, title: str, detail: str = "") -> Figure:
-    """Completion above, cost below, over the flights in the order flown.
+    """Two charts over the number of flights: completion above, cost below.
 
     Args:
         history: the flights.
@@ -46,7 +46,7 @@ def convergence(history: History, title: str, detail: str = "") -> Figure:
 
 
 def _draw(axes: Axes, history: History, values: Floats, best: Floats) -> None:
-    """One quantity: a mark for each flight, a line for the best so far."""
+    """One chart: a mark for each flight, a line for the best so far."""
     axes.grid(visible=True, axis="y")
     x, seen = history.numbers, np.isfinite(values)
     search, again = history.searching & seen, ~history.searching & seen
@@ -75,7 +75,7 @@ def _mark(axes: Axes, x: NDArray[np.int64], y: Floats, **style: object) -> None:
 
 
 def _scale_cost(axes: Axes, cost: Floats) -> None:
-    """A logarithmic axis where costs differ much, with plain numbers."""
+    """Make the axis of the cost logarithmic where the costs differ by more than a factor of 3."""
     if not len(cost) or cost.min() <= 0 or cost.max() < 3 * cost.min():
         return
     axes.set_yscale("log")
@@ -87,7 +87,7 @@ def _scale_cost(axes: Axes, cost: Floats) -> None:
 
 
 def _key(history: History) -> list[tuple[str, str, str]]:
-    """The marks and what they mean, as far as they occur."""
+    """Legend of the marks that occur."""
     again = ~history.searching
     return [
         *[("●", BEST, "accepted")] * bool((history.searching & history.accepted).any()),

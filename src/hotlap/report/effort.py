@@ -1,4 +1,4 @@
-"""Effort: how hard a flight drives its rotors and how much it shakes, so that a good result cannot hide a controller about to fail."""
+"""Effort: how fast the commands change, how long they are at a limit and how they oscillate; a high success rate can hide all three."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from hotlap.report.scene import Trace
 
 Floats = NDArray[np.float64]
 
-QUICK = 3.0  # Hz above which a command serves no manoeuvre
+QUICK = 3.0  # Hz: no manoeuvre of a race needs rate commands of a higher frequency
 AT_LIMIT = 0.995  # share of a limit that counts as all of it
 
 
 @dataclass(frozen=True)
 class Effort:
-    """What a series of commands asks of a drone.
+    """How demanding a series of commands is.
 
     Attributes:
-        thrust_activity: [m/s^3] rms change of the thrust per mass in a second.
-        rate_activity: [rad/s^2] rms change of the body rates in a second.
+        thrust_activity: [m/s^3] root mean square of the rate of change of the thrust per mass.
+        rate_activity: [rad/s^2] root mean square of the rate of change of the commanded body rates.
         saturated: share of the time at a limit, 0 to 1.
-        frequency: [Hz] strongest part of the rates above `QUICK`; 0 where there is none.
-        share: of the power of the rates that lies above `QUICK`, 0 to 1.
+        frequency: [Hz] of the largest spectral line of the rates above `QUICK`; 0 where there is none.
+        share: of the power of the rates at frequencies above `QUICK`, 0 to 1.
     """
 
     thrust_activity: float
@@ -37,7 +37,7 @@ class Effort:
 
 
 def effort_of(trace: Trace, scenario: Scenario) -> tuple[Effort, Effort]:
-    """Effort of a flight's commands, and of the inputs of the reference over the same time."""
+    """The effort of a flight's commands, and that of the reference's inputs over the same time."""
     reference, settings = scenario.reference, scenario.race.controller
     flown = reference.times <= trace.times.max(initial=0.0)
     inputs = np.column_stack([reference.thrust, reference.rates])[flown]
@@ -45,10 +45,10 @@ def effort_of(trace: Trace, scenario: Scenario) -> tuple[Effort, Effort]:
 
 
 def measure(inputs: Floats, period: float, settings: ControllerSettings) -> Effort:
-    """Effort of a series of inputs.
+    """The effort of a series of inputs.
 
     Args:
-        inputs: shape (n, 4): thrust per mass [m/s^2] and rates [rad/s]; rows that are no numbers are left out.
+        inputs: shape (n, 4): thrust per mass [m/s^2] and rates [rad/s]; rows with NaN are left out.
         period: [s] between rows.
         settings: the controller's, for its limits.
     """
@@ -67,7 +67,7 @@ def measure(inputs: Floats, period: float, settings: ControllerSettings) -> Effo
 
 
 def _at_limit(inputs: Floats, settings: ControllerSettings) -> NDArray[np.bool_]:
-    """Which rows ask for as much as may be asked for, shape (n,)."""
+    """Which rows have an input at one of its limits, shape (n,)."""
     low, high = settings.thrust
     slack = (1 - AT_LIMIT) * (high - low)
     thrust = (inputs[:, 0] <= low + slack) | (inputs[:, 0] >= high - slack)
@@ -75,7 +75,7 @@ def _at_limit(inputs: Floats, settings: ControllerSettings) -> NDArray[np.bool_]
 
 
 def _oscillation(rates: Floats, period: float) -> tuple[float, float]:
-    """Strongest frequency [Hz] above `QUICK`, and the share of the power there; of the sum of the three spectra.
+    """Frequency [Hz] of the largest line above `QUICK` in the sum of the three power spectra, and the share of the power above `QUICK`.
 
     Args:
         rates: shape (n, 3) [rad/s].

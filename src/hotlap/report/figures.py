@@ -1,4 +1,4 @@
-"""Figures: all that can be drawn, in one place; functions of plain data that return matplotlib figures."""
+"""Figures: all functions that draw plain data as a matplotlib figure."""
 
 from hotlap.report.convergence import convergence
 from hotlap.report.input_charts import inputs

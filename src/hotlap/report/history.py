@@ -1,4 +1,4 @@
-"""History: how a search went, flight by flight, and what it changed, as plain arrays."""
+"""History: the flights of a search, and the change of its parameters, as plain arrays."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class History:
 
     Attributes:
         numbers: shape (F,) from 1.
-        cost: shape (F,), less is better; not finite where there is none.
+        cost: shape (F,), lower is better; not finite where a flight has none.
         completion: shape (F,), 0 to 1.
         searching: shape (F,) false for re-flights.
-        accepted: shape (F,) whether the tuner went on from there.
+        accepted: shape (F,) whether the tuner accepted the candidate.
         failed: shape (F,) whether a flight missed the goal; without a goal, whether it was incomplete.
         cost_name: what the cost measures, with its unit.
     """
@@ -56,11 +56,11 @@ class History:
 
 @dataclass(frozen=True)
 class Samples:
-    """Where a search has looked: its R flights, without re-flights.
+    """Parameters and results of the R search flights, without re-flights.
 
     Attributes:
         parameters: shape (R, S, K).
-        accepted: shape (R,) whether the tuner went on from there.
+        accepted: shape (R,) whether the tuner accepted the candidate.
         completion: shape (R,), 0 to 1.
         succeeded: shape (R,) whether the goal was met.
     """
@@ -82,11 +82,11 @@ class Samples:
 
 @dataclass(frozen=True)
 class Change:
-    """Parameters before and after.
+    """Parameters before and after tuning.
 
     Attributes:
         names: K names.
-        units: K, what 1 stands for; "" for weights.
+        units: K units; "" for weights.
         low, high: bounds, shape (K,).
         before, after: shape (S, K).
         segments: S segments.
@@ -102,11 +102,11 @@ class Change:
 
 
 def recount(ledger: Ledger, goal: Goal, cost_name: str) -> History:
-    """The history of a ledger; its validation is left out.
+    """The search flights and re-flights of a ledger, without the validation.
 
     Args:
-        ledger: what was flown.
-        goal: what tells a failure.
+        ledger: all flights of the study.
+        goal: that decides which flights failed.
         cost_name: what the cost measures, with its unit.
     """
     rows = np.flatnonzero(ledger.streams != int(Stream.VALIDATION))
@@ -122,7 +122,7 @@ def recount(ledger: Ledger, goal: Goal, cost_name: str) -> History:
 
 
 def collect(ledger: Ledger, goal: Goal, most: int | None = None) -> Samples:
-    """The search flights of a ledger; where there are more than `most`, so many of them, evenly."""
+    """The search flights of a ledger; at most `most` of them, spread evenly."""
     search = ledger.of(Stream.SEARCH)
     kept = min(most or len(search), len(search))
     rows = np.unique(np.linspace(0, len(search) - 1, kept).round().astype(int)) if kept else np.zeros(0, dtype=int)
@@ -131,21 +131,21 @@ def collect(ledger: Ledger, goal: Goal, most: int | None = None) -> Samples:
 
 
 def compare(space: ParameterSpace, segments: Segments, before: Parameters, after: Parameters, horizon_unit: float) -> Change:
-    """What a tuning changed.
+    """The change of the parameters from before to after tuning.
 
     Args:
         space: of the parameters.
         segments: S segments.
         before: shape (S, K).
         after: shape (S, K).
-        horizon_unit: [s] that a horizon of 1 stands for.
+        horizon_unit: [s] time of a horizon parameter of 1.
     """
     units = tuple(f"{horizon_unit:g} s" if name == "horizon" else "" for name in space.names)
     return Change(space.names, units, space.low, space.high, before, after, segments)
 
 
 def succeeded(ledger: Ledger, goal: Goal) -> Booleans:
-    """Which flights met the goal, shape (F,); without one, which were complete."""
+    """Whether each flight met the goal, shape (F,); without a goal, whether it passed all gates."""
     if goal.quantity is Quantity.COMPLETION:
         return ledger.completion >= goal.threshold
     errors = {Quantity.MEAN_ERROR: ledger.mean_error, Quantity.MAX_ERROR: ledger.max_error}

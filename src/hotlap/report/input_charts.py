@@ -1,4 +1,4 @@
-"""Input charts: what the controller asked for and what the rotors gave over time, against their limits."""
+"""Input charts: commands of the controller and thrusts of the rotors over time, with their limits."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ ROTORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito
 
 @dataclass(frozen=True)
 class Row:
-    """One chart.
+    """The data of one chart.
 
     Attributes:
         label: of its axis, with its unit.
-        limits: least and largest value that may be asked for.
+        limits: least and largest value that is allowed.
         flown: shape (n, lines) of the first flight.
         planned: shape (rows,) of the reference; None where it has none.
     """
@@ -41,11 +41,11 @@ class Row:
 
 @styled
 def inputs(scene: Scene, scenario: Scenario) -> Figure:
-    """Thrust, rates and rotors of the first flight of a scene, with the reference's and the limits.
+    """Charts of thrust, body rates and rotor thrusts of the first flight of a scene, with the reference and the limits.
 
     Args:
         scene: with at least one flight.
-        scenario: whose limits hold.
+        scenario: with the limits of the inputs.
     """
     flight, rows = scene.traces[0], _rows(scene, scenario)
     figure = Figure(figsize=(LEFT + WIDTH + RIGHT, BOTTOM + len(rows) * (HEIGHT + BETWEEN) - BETWEEN + TOP))
@@ -61,12 +61,12 @@ def inputs(scene: Scene, scenario: Scenario) -> Figure:
         axes.tick_params(labelbottom=last)
         axes.set_xlabel("time [s]" if last else "")
     key = [("━", BEST, f"{flight.label}, {flight.ending}"), ("╍╍", FIRST, "reference"), ("█", "#e4e4e4", "beyond the limits")]
-    headline(figure, LEFT, f"{scene.race}: inputs", "what the controller asks for, and the thrust of each rotor; numbers: gates", key)
+    headline(figure, LEFT, f"{scene.race}: inputs", "commands of the controller, and thrust of each rotor; numbers: gates", key)
     return figure
 
 
 def _rows(scene: Scene, scenario: Scenario) -> list[Row]:
-    """Collective thrust, three rates, rotors."""
+    """The charts from top to bottom: collective thrust, three body rates, rotor thrusts."""
     flight, reference, settings = scene.traces[0], scene.reference, scenario.race.controller
     planned = slice(0, reference.planned_rows)
     rows = [Row("thrust\n[m/s²]", settings.thrust, flight.commands[:, :1], reference.thrust[planned])]
@@ -77,7 +77,7 @@ def _rows(scene: Scene, scenario: Scenario) -> list[Row]:
 
 
 def _draw(axes: Axes, row: Row, flight: Trace, scene: Scene) -> None:
-    """One quantity between its limits."""
+    """One chart: a quantity of the flight and of the reference between its limits."""
     low, high = row.limits
     margin = 0.14 * (high - low)
     axes.set_ylim(low - margin, high + margin)
@@ -97,7 +97,7 @@ def _draw(axes: Axes, row: Row, flight: Trace, scene: Scene) -> None:
 
 
 def _at_limit(row: Row) -> float:
-    """[%] of the time at a limit."""
+    """Share of the time at a limit [%]."""
     low, high = row.limits
     slack = 0.005 * (high - low)
     values = row.flown[np.isfinite(row.flown).all(axis=1)]

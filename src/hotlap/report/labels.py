@@ -1,4 +1,4 @@
-"""Labels: where to write beside points, so that neither lines nor other labels are hidden."""
+"""Labels: places for text beside points, where it covers neither lines nor other labels."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Placer:
     Attributes:
         size: width and height of the drawing.
         path: shape (n, 2) points that should stay visible.
-        taken: boxes (centre x, centre y, half width, half height) that are no longer free.
+        occupied: boxes (centre x, centre y, half width, half height) where no label may be placed.
     """
 
     size: tuple[float, float]
     path: Floats
-    taken: list[tuple[float, float, float, float]] = field(default_factory=list)
+    occupied: list[tuple[float, float, float, float]] = field(default_factory=list)
 
     def place(self, point: Floats, width: float, height: float, gap: float) -> Floats:
         """Centre of the best place for a label of a given size beside a point, shape (2,).
@@ -46,18 +46,18 @@ class Placer:
                 cost = self._cost(centre, half) + 0.3 * (reach - 1)
                 if cost < least - 1e-9:
                     best, least = centre, cost
-        self.taken.append((*best, *half))
+        self.occupied.append((*best, *half))
         return best
 
     def block(self, centres: Floats, half: float) -> None:
         """Keep squares free of labels, shape (n, 2)."""
-        self.taken += [(x, y, half, half) for x, y in centres.tolist()]
+        self.occupied += [(x, y, half, half) for x, y in centres.tolist()]
 
     def _cost(self, centre: Floats, half: Floats) -> float:
-        """How much a label at some place would hide."""
+        """The cost of a place: points of the path and labels that it would cover."""
         hidden = np.all(np.abs(self.path - centre) < half + 0.02, axis=1).sum()
         cost = float(np.sqrt(hidden))
-        for x, y, half_width, half_height in self.taken:
+        for x, y, half_width, half_height in self.occupied:
             overlap = np.minimum(half + np.array([half_width, half_height]) - np.abs(centre - np.array([x, y])), 2 * half)
             cost += 40.0 * float(np.prod(overlap) / np.prod(2 * half)) if (overlap > 0).all() else 0.0
         outside = np.maximum(half - centre, 0) + np.maximum(centre + half - self.size, 0)
@@ -65,7 +65,7 @@ class Placer:
 
 
 def group(points: Floats, reach: float) -> list[tuple[Floats, list[int]]]:
-    """Points that lie within a reach of the first of their group, with the indices of its members."""
+    """Groups of points within a distance of the first point of their group: that point, and the indices of all members."""
     groups: list[tuple[Floats, list[int]]] = []
     for i, point in enumerate(points):
         near = next((members for first, members in groups if np.linalg.norm(point - first) < reach), None)
@@ -77,7 +77,7 @@ def group(points: Floats, reach: float) -> list[tuple[Floats, list[int]]]:
 
 
 def number(members: Sequence[int], most: int = 3) -> str:
-    """Gates counted from 1, runs shortened: "1, 4-6"; beyond some parts, dots."""
+    """Gate numbers as a text, counted from 1, consecutive numbers joined: "1, 4-6"; after `most` parts, dots."""
     parts: list[list[int]] = []
     for i in members:
         if parts and parts[-1][1] == i - 1:

@@ -1,4 +1,4 @@
-"""Map: a reference as text for a terminal, from above and from the side, in braille dots."""
+"""Map: a reference drawn with text characters for a terminal, from above and from the side; paths consist of braille dots."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from hotlap.race.track import Track
 from hotlap.reference.reference import Reference
 from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.report.labels import group, number
+from hotlap.report.projection import View, box_of, views_of, widen
 
 Floats = NDArray[np.float64]
 
@@ -32,11 +33,11 @@ START, GATE = "S", "o"
 
 @dataclass(frozen=True)
 class _Canvas:
-    """Characters that are drawn on.
+    """A grid of characters to draw on.
 
     Attributes:
         dots: shape (rows, columns), bits of the braille patterns.
-        kinds: shape (rows, columns), index of the segment that drew last.
+        kinds: shape (rows, columns), index of the segment that was drawn last.
         texts: shape (rows, columns), characters in front of the dots; "" for none.
     """
 
@@ -46,21 +47,21 @@ class _Canvas:
 
     @staticmethod
     def blank(columns: int, rows: int) -> _Canvas:
-        """An empty one."""
+        """An empty canvas."""
         return _Canvas(np.zeros((rows, columns), np.int64), np.zeros((rows, columns), np.int64), np.full((rows, columns), "", "<U1"))
 
     def draw(self, points: Floats, kinds: NDArray[np.int64]) -> None:
         """Dots at points, shape (n, 2) in dots from the upper left corner, drawn by segments of shape (n,)."""
-        x, y = np.round(points).astype(int).T
+        x, y = np.ceil(points - 0.5).astype(int).T  # halves go to the upper left, as the gates of `_write_gates` do
         np.bitwise_or.at(self.dots, (y // 4, x // 2), DOTS[y % 4, x % 2])
         self.kinds[y // 4, x // 2] = kinds
 
     def write(self, column: int, row: int, text: str) -> None:
-        """A text in front of everything."""
+        """Write a text over the dots."""
         self.texts[row, column : column + len(text)] = list(text)
 
     def hidden(self, column: int, row: int, text: str, own: tuple[int, int]) -> float:
-        """How many cells of the path a text would hide; infinite where it does not fit or would join another.
+        """How many cells of the path a text would cover; infinite where it does not fit or would touch another text.
 
         Args:
             column: of its first character.
@@ -77,7 +78,7 @@ class _Canvas:
         return float((self.dots[row, column : column + len(text)] > 0).sum())
 
     def lines(self, segments: Segments, *, colour: bool) -> list[str]:
-        """As text, every row of full width."""
+        """The rows as text, all of the same width."""
         lines, classes = [], segments.segment_classes
         for dots, kinds, texts in zip(self.dots, self.kinds, self.texts, strict=True):
             line = ""
@@ -95,26 +96,24 @@ class _Layout:
     """How the views are arranged.
 
     Attributes:
-        across: the axis that runs to the right (x), or to the left (y), in both views.
-        middle: shape (3,) [m] (world) of what is seen.
+        views: from above, and from the side.
         scale: dots per metre.
         columns: characters of each view.
         rows: characters of the view from above, and of that from the side.
-        beside: whether the second stands right of the first, not below.
+        beside: whether the second view is to the right of the first, else below it.
     """
 
-    across: int
-    middle: Floats
+    views: tuple[View, View]
     scale: float
     columns: int
     rows: tuple[int, int]
     beside: bool
 
-    def dots(self, points: Floats, up: int, rows: int) -> Floats:
+    def dots(self, points: Floats, view: View, rows: int) -> Floats:
         """World positions in dots from the upper left corner of a view, shape (n, 2)."""
-        axes, span = [self.across, up], np.array([2 * self.columns, 4 * rows])
-        signs = np.array([1.0 if self.across == 0 else -1.0, -1.0])
-        return np.clip((points[:, axes] - self.middle[axes]) * signs * self.scale + (span - 1) / 2, 0, span - 1)
+        span = np.array([2 * self.columns, 4 * rows])
+        places = view.place_from_middle(view.project(points), self.scale) * [1.0, -1.0] + (span - 1) / 2
+        return np.clip(places.round(6), 0, span - 1)  # a flat track lies halfway between dots: rounding errors must not choose one
 
 
 def draw_map(
@@ -149,23 +148,21 @@ def _draw_views(
     path: Floats, kinds: NDArray[np.int64], gate_positions: Floats, segments: Segments, width: int, height: int, *, colour: bool
 ) -> list[str]:
     """Both views, with their titles; segments of shape (rows,) draw the path."""
-    points = np.vstack([path, gate_positions])
-    layout = _arrange(points, width, max(height, 8))
+    low, high = box_of(np.vstack([path, gate_positions]))
+    layout = _arrange(low, high, width, max(height, 8))
     views = []
-    for up, rows in zip((1 - layout.across, 2), layout.rows, strict=True):
+    for view, rows in zip(layout.views, layout.rows, strict=True):
         canvas = _Canvas.blank(layout.columns, rows)
-        canvas.draw(*_dense(layout.dots(path, up, rows), kinds))
-        _write_gates(canvas, layout.dots(path[:1], up, rows)[0], layout.dots(gate_positions, up, rows))
-        views.append([_title(points, layout, up), *canvas.lines(segments, colour=colour)])
+        canvas.draw(*_dense(layout.dots(path, view, rows), kinds))
+        _write_gates(canvas, layout.dots(path[:1], view, rows)[0], layout.dots(gate_positions, view, rows))
+        views.append([view.title(high - low)[: layout.columns], *canvas.lines(segments, colour=colour)])
     return _beside(views[0], views[1], layout.columns) if layout.beside else [*views[0], *views[1]]
 
 
-def _arrange(points: Floats, width: int, height: int) -> _Layout:
-    """Views below or beside each other, whichever makes them larger; the longer of x and y runs across."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    extent = np.maximum(high - low, LEAST_EXTENT)
-    across = 0 if extent[0] >= extent[1] else 1
-    wide, deep, high_up = extent[[across, 1 - across, 2]]
+def _arrange(low: Floats, high: Floats, width: int, height: int) -> _Layout:
+    """The views of a box, each shape (3,) [m], below or beside each other, whichever makes them larger."""
+    views = views_of(*widen(low, high, LEAST_EXTENT))
+    (wide, deep), (_, high_up) = (view.extent for view in views)
     shares = ((4 * rows - 1, 4 * (height - 2 - rows) - 1) for rows in range(2, height - 3))  # dots for either view
     stacked = min((2 * width - 1) / wide, max(min(upper / deep, lower / high_up) for upper, lower in shares))
     aside = min((width - GUTTER - 1) / wide, (4 * (height - 1) - 1) / max(deep, high_up))
@@ -174,15 +171,7 @@ def _arrange(points: Floats, width: int, height: int) -> _Layout:
     most = (width - GUTTER) // 2 if beside else width
     columns = min(max(int(np.ceil((wide * scale + 1) / 2 - 1e-6)), min(LEAST_COLUMNS, most)), most)
     above, side = (max(2, int(np.ceil((length * scale + 1) / 4 - 1e-6))) for length in (deep, high_up))
-    return _Layout(across, (low + high) / 2, scale, columns, (above, side), beside)
-
-
-def _title(points: Floats, layout: _Layout, up: int) -> str:
-    """Which view it is, and how large."""
-    sizes = np.ptp(points, axis=0)
-    name = "the side" if up == 2 else "above"
-    arrow = "→" if layout.across == 0 else "←"
-    return f"from {name}: {'xy'[layout.across]}{arrow} {sizes[layout.across]:.0f} m, {'xyz'[up]}↑ {sizes[up]:.0f} m"[: layout.columns]
+    return _Layout(views, scale, columns, (above, side), beside)
 
 
 def _beside(left: list[str], right: list[str], columns: int) -> list[str]:
@@ -194,7 +183,7 @@ def _beside(left: list[str], right: list[str], columns: int) -> list[str]:
 
 
 def _dense(points: Floats, kinds: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """Points at most a dot apart, so that fast parts have no gaps."""
+    """The path with points added until neighbours are at most one dot apart."""
     if len(points) < 2:
         return points, kinds
     steps = np.maximum(1, np.ceil(np.abs(np.diff(points, axis=0)).max(axis=1))).astype(int)
@@ -204,7 +193,7 @@ def _dense(points: Floats, kinds: NDArray[np.int64]) -> tuple[Floats, NDArray[np
 
 
 def _write_gates(canvas: _Canvas, start: Floats, gates: Floats) -> None:
-    """The start and the gates, numbered beside them where there is room."""
+    """Mark the start and the gates, with the numbers of the gates where there is room."""
     cells = np.floor(gates / (2, 4))
     groups = group(cells, 0.5)
     for cell, _ in groups:
@@ -221,7 +210,7 @@ def _write_gates(canvas: _Canvas, start: Floats, gates: Floats) -> None:
 
 
 def _list_segments(segments: Segments, width: int, *, colour: bool) -> list[str]:
-    """Pieces with the number of their segment, class and times, as many in a line as fit."""
+    """A list of the pieces of all segments: number, class, start and end; as many in a line as fit."""
     lines, length = [""], 0
     for piece in segments.pieces:
         text = f"{piece.segment + 1} {piece.kind.value} {piece.start:.1f}-{piece.end:.1f} s"
@@ -233,5 +222,5 @@ def _list_segments(segments: Segments, width: int, *, colour: bool) -> list[str]
 
 
 def _paint(text: str, kind: SegmentClass | None) -> str:
-    """A text in the colour of a class."""
+    """A text in the colour of a class of segments; None: as it is."""
     return text if kind is None else f"\x1b[{CLASS_CODES[kind]}m{text}\x1b[0m"

@@ -1,4 +1,4 @@
-"""Markup: the little HTML that pages are made of; every text is escaped on its way in."""
+"""Markup: HTML elements as strings; all text and attributes are escaped."""
 
 from __future__ import annotations
 
@@ -7,29 +7,29 @@ from html import escape
 
 
 def text(value: object) -> str:
-    """Words as HTML."""
+    """A value as HTML text."""
     return escape(str(value))
 
 
 def element(name: str, content: str = "", **attributes: object) -> str:
-    """An element with content that is HTML already; attributes are escaped, `class_` stands for class."""
-    shown = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(str(value))}"' for key, value in attributes.items())
-    return f"<{name}{shown}>{content}</{name}>"
+    """An HTML element; its content is HTML already, its attributes are escaped; `class_` is the attribute class."""
+    written = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(str(value))}"' for key, value in attributes.items())
+    return f"<{name}{written}>{content}</{name}>"
 
 
 def paragraph(words: object) -> str:
-    """A paragraph."""
+    """A paragraph of text."""
     return element("p", text(words))
 
 
 def table(heads: Sequence[object], rows: Iterable[Sequence[object]], caption: str = "", *, numbers: Container[int] = ()) -> str:
-    """A table that scrolls by itself where it is too wide.
+    """A table; where it is wider than the page, it scrolls on its own.
 
     Args:
         heads: of the columns.
         rows: cells.
         caption: above it.
-        numbers: columns that hold numbers, counted from 0.
+        numbers: indices of the columns with numbers, which are aligned to the right.
     """
     title = element("caption", text(caption)) if caption else ""
     kinds = [{"class_": "number"} if j in numbers else {} for j in range(len(heads))]
@@ -40,10 +40,10 @@ def table(heads: Sequence[object], rows: Iterable[Sequence[object]], caption: st
 
 
 def _cell(cell: object, column: int, kind: dict[str, str]) -> str:
-    """The first of a row names it."""
+    """One cell; the first of a row is its head."""
     return element("td", text(cell), **kind) if column else element("th", text(cell), scope="row")
 
 
 def facts(pairs: Mapping[str, object]) -> str:
-    """Labelled values; those that are empty are left out."""
+    """A list of labels and values; empty values are left out."""
     return element("dl", "".join(element("dt", text(label)) + element("dd", text(value)) for label, value in pairs.items() if value != ""))

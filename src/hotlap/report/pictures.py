@@ -1,4 +1,4 @@
-"""Pictures: figures of a study or a plan as files."""
+"""Pictures: the figures of a study or a plan as files."""
 
 from __future__ import annotations
 
@@ -11,25 +11,24 @@ from hotlap.analysis.sensitivity import survey_sensitivity
 from hotlap.core.errors import InputError
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.reference.scenario import Scenario
-from hotlap.report.demonstration import choose, demonstrate
 from hotlap.report.figures import convergence, inputs, samples, sensitivity, track, tracking_error, tuned_parameters
 from hotlap.report.formats import FORMATS
 from hotlap.report.history import Change, collect, compare, recount
+from hotlap.report.page.replay import choose, demonstrate
 from hotlap.report.scene import Scene, stage
 from hotlap.report.style import own_settings
 from hotlap.study.snapshot import Snapshot, read_snapshot
 from hotlap.study.study import Study
 from hotlap.worlds.world import World
 
-FLIGHTS = 8  # of each set of parameters, all with the same noise; the first of each is the one that is shown
+FLIGHTS = 8  # of each set of parameters, all with the same noise; the first of each is drawn in full
 SETS = 2  # the best, and the first guess, or the default where that is the best
 
 
 def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tuple[Path, ...]:
-    """Draw a study: track, convergence, tracking error and parameters.
+    """Draw four pictures of a study: track, convergence, tracking error and parameters.
 
-    The best parameters and the first guess (or the default) are flown again, with noise of their own stream; nothing is chosen among
-    these flights.
+    The best parameters and the first guess (or the default) are flown again with new noise; nothing is chosen among these flights.
 
     Args:
         folder: where the pictures go.
@@ -48,7 +47,7 @@ def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tu
 
 
 def draw_everything(folder: Path, study: Study, world: World, kind: str, flights: int = FLIGHTS) -> tuple[Path, ...]:
-    """Draw the same, and inputs against their limits, sensitivity, and where the search has looked.
+    """Draw all pictures of a study: those of `draw`, and inputs, sensitivity and samples of the search.
 
     Args:
         folder: where the pictures go.
@@ -63,33 +62,42 @@ def draw_everything(folder: Path, study: Study, world: World, kind: str, flights
     Raises:
         InputError: when one cannot be written.
     """
-    snapshot = read_snapshot(study)
+    return _save_all(folder, figures_of(read_snapshot(study), world, flights), kind)
+
+
+def figures_of(snapshot: Snapshot, world: World, flights: int = FLIGHTS) -> dict[str, Figure]:
+    """All figures of a study by their names.
+
+    Args:
+        snapshot: of the study; it may have no flights yet.
+        world: where its flights happen.
+        flights: how many of each set of parameters to fly, at least 1.
+    """
     asked, best, scene = snapshot.configuration, snapshot.best, _fly(snapshot, world, flights)
     found = survey_sensitivity(asked.scenario, world, best, asked.settings.seed)
-    looked = collect(snapshot.ledger, asked.settings.goal)
-    figures = {
+    searched = collect(snapshot.ledger, asked.settings.goal)
+    return {
         **_plain(snapshot, scene),
         "inputs": inputs(scene, asked.scenario),
-        "sensitivity": sensitivity(found, _change(snapshot), f"{scene.race}: which parameters matter"),
-        "samples": samples(looked, asked.scenario.space, best, f"{scene.race}: where the search has looked"),
+        "sensitivity": sensitivity(found, _change(snapshot), f"{scene.race}: sensitivity to the parameters"),
+        "samples": samples(searched, asked.scenario.space, best, f"{scene.race}: parameters of the search flights"),
     }
-    return _save_all(folder, figures, kind)
 
 
 def _fly(snapshot: Snapshot, world: World, flights: int) -> Scene:
-    """What the pictures show."""
+    """Fly the best parameters, and the first guess or the default, for the pictures."""
     asked = snapshot.configuration
-    shown = choose(asked.scenario, asked.first_guess, snapshot.best)[:SETS]
-    return demonstrate(asked.scenario, world, shown, flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, flights))
+    sets = choose(asked.scenario, asked.first_guess, snapshot.best)[:SETS]
+    return demonstrate(asked.scenario, world, sets, flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, flights))
 
 
 def _plain(snapshot: Snapshot, scene: Scene) -> dict[str, Figure]:
-    """The four of every study."""
+    """The four figures that every study has."""
     return {
         "track": track(scene),
         "convergence": draw_convergence(snapshot),
         "error": tracking_error(scene),
-        "parameters": tuned_parameters(_change(snapshot), f"{scene.race}: what was tuned"),
+        "parameters": tuned_parameters(_change(snapshot), f"{scene.race}: tuned parameters"),
     }
 
 
@@ -101,7 +109,7 @@ def draw_convergence(snapshot: Snapshot) -> Figure:
 
 
 def _change(snapshot: Snapshot) -> Change:
-    """What was tuned."""
+    """First guess and best parameters."""
     scenario, first = snapshot.configuration.scenario, snapshot.configuration.first_guess
     return compare(scenario.space, scenario.segments, first, snapshot.best, scenario.race.controller.horizon_unit)
 
@@ -151,7 +159,7 @@ def save(path: Path, figure: Figure) -> Path:
 
 
 def _verdict(snapshot: Snapshot) -> str:
-    """How a study stands, in one line."""
+    """The result of a study so far, in one line."""
     result = snapshot.result
     if result is None:
         return "no flights yet"

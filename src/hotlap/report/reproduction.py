@@ -30,7 +30,7 @@ def draw_maps(
     titles: Sequence[str],
     mark: tuple[float, float],
 ) -> Path:
-    """Completion over two parameters, a map each.
+    """Maps of completion over two parameters, beside each other.
 
     Args:
         path: of the picture.
@@ -60,12 +60,12 @@ def _maps(
         if k == len(grids) - 1:
             scale = place_axes(figure, LEFT + k * (SIDE + GAP) + SIDE + 0.1, BOTTOM, 0.1, SIDE)
             figure.colorbar(image, cax=scale).outline.set_visible(False)  # pyright: ignore[reportCallIssue]
-    headline(figure, 0.15, f"completion [%] over {names[0]} and {names[1]}", "the cross marks what the others are taken from")
+    headline(figure, 0.15, f"completion [%] over {names[0]} and {names[1]}", "the cross marks the default values")
     return figure
 
 
 def _logarithmic(chart: Axes, names: tuple[str, str]) -> None:
-    """Both axes in logarithms, with plain numbers."""
+    """Make both axes logarithmic, with plain numbers."""
     chart.set_xscale("log")
     chart.set_yscale("log")
     _plain_numbers(chart.xaxis, chart.yaxis)
@@ -74,7 +74,7 @@ def _logarithmic(chart: Axes, names: tuple[str, str]) -> None:
 
 
 def _plain_numbers(*axes: Axis) -> None:
-    """Logarithmic axes with numbers as people write them, also where there is no power of ten."""
+    """Plain numbers at the ticks of logarithmic axes, also where the range has no power of ten."""
     for axis in axes:
         low, high = axis.get_view_interval()
         axis.set_major_locator(LogLocator(subs=(1, 2, 4) if high < 50 * low else (1,)))
@@ -83,7 +83,7 @@ def _plain_numbers(*axes: Axis) -> None:
 
 
 def draw_shares(path: Path, rows: Mapping[str, Sequence[Mapping[str, float]]]) -> Path:
-    """How rare good parameters are, over the mean speed of the plan; a line a race."""
+    """Share of random parameters that pass every gate over the mean speed of the plan; a line for each race."""
     return save(path, _shares(rows))
 
 
@@ -139,7 +139,7 @@ def _curves(title: str, detail: str, curves: Mapping[str, tuple[Floats, Floats, 
 
 
 def draw_matrix(path: Path, title: str, detail: str, labels: tuple[Sequence[str], Sequence[str]], shares: Floats) -> Path:
-    """Shares, 0 to 1, with their numbers: a row for what was tuned on, a column for what was flown."""
+    """A matrix of shares, 0 to 1: a row for each race that was tuned on, a column for each race that was flown."""
     return save(path, _matrix(title, detail, labels, shares))
 
 

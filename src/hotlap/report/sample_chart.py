@@ -1,4 +1,4 @@
-"""Sample chart: where the search has looked: marginals and pairs of the parameters it flew."""
+"""Sample chart: parameters of the search flights, each by itself (histogram) and in pairs (scatter)."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ BINS = 12
 
 @styled
 def samples(found: Samples, space: ParameterSpace, best: Floats, title: str) -> Figure:
-    """A square of charts: on its diagonal how often a value was flown, below it pairs.
+    """A triangle of charts: histograms of the parameters on the diagonal, scatter charts of pairs below.
 
-    Where there are several segments, a flight stands at the geometric mean over them.
+    Where there are several segments, a flight is drawn at the geometric mean of its parameters over the segments.
 
     Args:
         found: the search flights.
@@ -56,7 +56,7 @@ def _mean(parameters: Floats) -> Floats:
 
 
 def _draw_marginal(axes: Axes, found: Samples, values: Floats, space: ParameterSpace, k: int) -> None:
-    """How often values were flown, and how many of these flights passed all gates."""
+    """Histogram of one parameter over all flights, and over those that passed all gates."""
     edges = np.geomspace(space.low[k], space.high[k] * (1 + 1e-9), BINS + 1)
     for some, colour in ((values, FAINT), (values[found.complete], BEST)):
         if len(some):
@@ -66,7 +66,7 @@ def _draw_marginal(axes: Axes, found: Samples, values: Floats, space: ParameterS
 
 
 def _draw_pair(axes: Axes, found: Samples, values: Floats, best: Floats) -> None:
-    """Two parameters of each flight."""
+    """Scatter chart of two parameters."""
     size = 3.0 if len(found) <= 200 else 1.8
     failed, accepted = ~found.complete, found.complete & found.accepted
     for chosen, face, edge in (

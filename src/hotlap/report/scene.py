@@ -1,4 +1,4 @@
-"""Scene: what happened in space and time, as plain arrays: the plan, the gates, and flights along them."""
+"""Scene: plan, gates and recorded flights of a scenario as plain arrays, for pictures, page and film."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Trace:
-    """One flight that was recorded in full, up to where it ended.
+    """One flight with its time series up to its end.
 
     Attributes:
-        label: what it shows ("best").
+        label: of its parameters ("best").
         seed: of its noise.
         times: shape (n,) [s].
         position: shape (n, 3) [m] (world).
@@ -35,7 +35,7 @@ class Trace:
         end: how the flight ended.
         end_time: [s] of the last passed gate, the miss or the crash.
         end_position: shape (3,) [m] (world) at that time.
-        gates_passed: consecutive, from the first.
+        gates_passed: number of gates passed in a row from the first.
         lap_time: [s] at the last gate; NaN where it was not reached.
         seen_times: shape (M,) [s] when each gate's distance was measured; NaN where the flight did not get there.
         gate_distance: shape (M,) [m] as the judge measures it; NaN likewise.
@@ -66,7 +66,7 @@ class Trace:
 
     @property
     def ending(self) -> str:
-        """How it ended, in a few words."""
+        """How the flight ended, in words."""
         if not self.failed:
             return f"all {self.gates_passed} gates"
         return f"{'crashed before' if self.end is End.CRASHED else 'missed'} gate {self.gates_passed + 1}"
@@ -74,13 +74,13 @@ class Trace:
 
 @dataclass(frozen=True)
 class Repeats:
-    """Several flights with the same parameters and fresh noise.
+    """How several flights with the same parameters and different noise ended.
 
     Attributes:
-        label: what was flown ("best").
+        label: of the parameters ("best").
         flights: how many.
         complete: how many passed all gates.
-        failures: shape (F, 3) [m] (world) where the others ended, as far as that is known.
+        failures: shape (F, 3) [m] (world) where the others ended; those without a known end are left out.
         failed_gates: shape (F,) index of the gate that each of them did not pass.
         crashed: shape (F,) whether it crashed on the way there; else it missed the gate.
     """
@@ -95,16 +95,16 @@ class Repeats:
 
 @dataclass(frozen=True)
 class Scene:
-    """A scenario, and flights along it.
+    """A scenario, and flights of it.
 
     Attributes:
         race: its name.
-        reference: what was to be followed.
-        segments: its parts.
+        reference: that was to be followed.
+        segments: of the reference.
         gates: shape (M, 3) [m] (world).
-        distance: [m] how close counts as passed.
-        traces: flights recorded in full, the one that matters most first.
-        repeats: what else was flown with the same parameters.
+        distance: [m] from its centre within which a gate is passed.
+        traces: flights recorded in full, the most important first.
+        repeats: all flights with the same parameters as the traces.
     """
 
     race: str
@@ -117,24 +117,37 @@ class Scene:
 
     @property
     def path(self) -> Floats:
-        """The planned rows, shape (rows, 3) [m] (world)."""
+        """Positions of the plan, shape (rows, 3) [m] (world)."""
         return self.reference.position[: self.reference.planned_rows]
+
+    @property
+    def coloured_path(self) -> tuple[Floats, Floats]:
+        """Position, shape (n, 3) [m] (world), and speed, shape (n,) [m/s], of the first flight, or of the plan where nothing was flown."""
+        return (self.traces[0].position, self.traces[0].speed) if self.traces else (self.path, self.reference.speeds)
+
+    @property
+    def failures(self) -> tuple[Floats, ...]:
+        """Where failed flights ended, for each set of parameters, shape (F, 3) [m] (world); of the traces where nothing else was flown."""
+        if self.repeats:
+            return tuple(repeats.failures for repeats in self.repeats)
+        ends = [(flight, flight.end_position[None]) for flight in self.traces]
+        return tuple(end if flight.failed and np.isfinite(end).all() else end[:0] for flight, end in ends)
 
 
 def stage(scenario: Scenario, traces: tuple[Trace, ...] = (), repeats: tuple[Repeats, ...] = ()) -> Scene:
-    """The scene of a scenario."""
+    """The scene of a scenario, with flights where there are any."""
     race = scenario.race
     return Scene(race.name, scenario.reference, scenario.segments, race.track.gate_positions, race.judge.distance, traces, repeats)
 
 
 def trace(scenario: Scenario, flights: Flights, index: int, label: str) -> Trace:
-    """One flight out of a batch.
+    """The time series of one flight of a batch.
 
     Args:
-        scenario: what was flown.
+        scenario: that was flown.
         flights: the batch, with a log of this flight.
         index: of the flight in the batch.
-        label: what it shows.
+        label: of its parameters.
     """
     log, end, end_time = flights.logs[index], End(int(flights.end[index])), float(flights.end_time[index])
     last = scenario.reference.duration if end is End.FINISHED else end_time
@@ -163,7 +176,7 @@ def trace(scenario: Scenario, flights: Flights, index: int, label: str) -> Trace
 
 
 def repeat(flights: Flights, rows: slice, label: str) -> Repeats:
-    """Flights of a batch that were flown with the same parameters."""
+    """How the flights in some rows of a batch, all with the same parameters, ended."""
     passed, ends = flights.gates_passed[rows], flights.end_position[rows]
     failed = passed < len(flights.gate_positions)
     known = failed & np.isfinite(ends).all(axis=1)

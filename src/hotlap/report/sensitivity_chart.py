@@ -1,4 +1,4 @@
-"""Sensitivity chart: completion over each parameter, and where on the track it matters."""
+"""Sensitivity chart: completion over a factor on each parameter, and the loss of completion segment by segment."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ TICKS = {0.25: "¼", 0.5: "½", 1.0: "1", 2.0: "2", 4.0: "4"}
 
 @styled
 def sensitivity(found: Sensitivity, change: Change, title: str) -> Figure:
-    """A column for each parameter: completion when it is multiplied everywhere, and the loss by segment.
+    """A column for each parameter: completion when it is multiplied in all segments, and the loss when in one segment alone.
 
     Args:
-        found: what was flown.
+        found: results of the flights.
         change: names and segments.
         title: of the figure.
     """
@@ -46,7 +46,7 @@ def sensitivity(found: Sensitivity, change: Change, title: str) -> Figure:
 
 
 def _draw_curve(axes: Axes, found: Sensitivity, k: int) -> None:
-    """One parameter in all segments."""
+    """Completion over the factor on one parameter in all segments."""
     axes.grid(visible=True)
     axes.set_xscale("log")
     axes.axvline(1.0, color=INK, linewidth=0.6)
@@ -61,7 +61,7 @@ def _draw_curve(axes: Axes, found: Sensitivity, k: int) -> None:
 
 
 def _draw_losses(axes: Axes, found: Sensitivity, change: Change, k: int) -> None:
-    """One parameter in each segment alone."""
+    """Loss of completion when one parameter is changed in one segment alone."""
     kinds = change.segments.segment_classes
     losses, places = 100 * np.maximum(found.by_segment[:, k], 0), np.arange(len(kinds))
     axes.barh(places, losses, height=0.62, color=[CLASS_COLOURS[kind] for kind in kinds])

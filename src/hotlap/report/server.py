@@ -1,4 +1,4 @@
-"""Server: shows one page to browsers on this machine; it reads, and writes nothing."""
+"""Server: serves one page and its updates to browsers, by default on this machine only; it writes nothing."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from urllib.parse import parse_qs, urlsplit
 from hotlap.core.errors import HotlapError, InputError
 
 LOCAL = ("localhost", "127.0.0.1", "[::1]")
-PATIENCE = 20.0  # s for a browser to say what it wants
+PATIENCE = 20.0  # s until a browser must have sent its request
 HTML, JSON, PLAIN = "text/html; charset=utf-8", "application/json; charset=utf-8", "text/plain; charset=utf-8"
 _SCRIPT = re.compile(r"<script(?![^>]*application/json)[^>]*>(.*?)</script>", re.DOTALL)
 _HEADERS = {
@@ -30,22 +30,22 @@ _HEADERS = {
 
 
 class Source(Protocol):
-    """What is shown."""
+    """The page that is served."""
 
     def page(self) -> str:
         """The whole page as HTML."""
         ...
 
     def news(self, known: int = -1) -> str | None:
-        """What the page reads, as JSON; None where it has all of so many flights already."""
+        """The document of the page as JSON; None where the page has all `known` flights already."""
         ...
 
 
 class Server(ThreadingHTTPServer):
-    """Listens as soon as it is made; `serve_forever` answers.
+    """An HTTP server that listens from its construction on; `serve_forever` answers.
 
     Args:
-        source: what is shown.
+        source: the page that is served.
         host: name or address to listen on.
         port: 0 for any that is free.
 
@@ -65,19 +65,19 @@ class Server(ThreadingHTTPServer):
             raise InputError("", "port", f"{port} on {host} cannot be listened on: {reason}") from None
 
     def server_bind(self) -> None:
-        """Without asking for the name of the host, which may take its time."""
+        """Bind without a look-up of the host's name, which can take seconds."""
         socketserver.TCPServer.server_bind(self)
         self.server_name, self.server_port = self._host, self.server_address[1]
 
     @property
     def address(self) -> str:
-        """Where a browser finds it."""
+        """The URL for a browser."""
         return f"http://{_bracketed(self._host)}:{self.server_port}/"
 
     def knows(self, name: str) -> bool:
-        """Whether a browser that came by some name of a host meant this one, and was not led here by another's name.
+        """Whether the host that a browser asked for is this one; other names are refused (DNS rebinding).
 
-        Who listens on every address has as many; no name leads to a number, so that any number will do.
+        A server that listens on all addresses accepts every numeric address: no name of another site can lead to a number.
         """
         host, colon, port = name.lower().rpartition(":") if re.search(r":\d+$", name) else (name.lower(), "", "")
         if (port if colon else "80") != str(self.server_port):  # of the web, browsers leave it out
@@ -86,7 +86,7 @@ class Server(ThreadingHTTPServer):
         return host in {*LOCAL, _bracketed(self._host).lower()} or (everywhere and _is_number(host))
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Nothing, where a browser has left before it had all; else what is known of our own mistake."""
+        """Report errors of our own; a browser that closes the connection early is no error."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)
 
@@ -98,20 +98,20 @@ class Answer(BaseHTTPRequestHandler):
     server_version, sys_version, timeout = "hotlap", "", PATIENCE
 
     def do_GET(self) -> None:
-        """The page, or what is new."""
+        """Send the page or its update."""
         self._answer()
 
     def do_HEAD(self) -> None:
-        """The same without the content."""
+        """Send the headers alone."""
         self._answer()
 
     def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:  # noqa: ARG002  its signature
-        """What cannot be understood is refused in a line, with the headers of every answer."""
+        """Refuse a bad request in one line, with the usual headers."""
         status = HTTPStatus(code)
         self._send(status, PLAIN, f"{message or status.phrase}\n")
 
     def log_message(self, *_: Any, **__: Any) -> None:
-        """Nothing: who watches is nobody's business."""
+        """Log nothing."""
 
     def _answer(self) -> None:
         if not self.server.knows(self.headers.get("Host", "")):
@@ -132,7 +132,7 @@ class Answer(BaseHTTPRequestHandler):
             self._send(HTTPStatus.SERVICE_UNAVAILABLE, PLAIN, f"{error}\n")
 
     def _send_news(self, known: str) -> None:
-        """What a page of so many flights lacks."""
+        """Send the document to a page with `known` flights, or nothing where it is up to date."""
         if not re.fullmatch(r"-?\d{1,9}", known):
             self._send(HTTPStatus.BAD_REQUEST, PLAIN, "flights must be a whole number\n")
             return
@@ -140,7 +140,7 @@ class Answer(BaseHTTPRequestHandler):
         self._send(HTTPStatus.NO_CONTENT if news is None else HTTPStatus.OK, JSON, news or "")
 
     def _send(self, status: HTTPStatus, kind: str, text: str) -> None:
-        """An answer with its headers."""
+        """Send an answer with its headers."""
         content = text.encode()
         self.send_response(status)
         for name, value in _HEADERS.items():
@@ -155,7 +155,7 @@ class Answer(BaseHTTPRequestHandler):
 
 
 def policy(scripts: Iterable[str]) -> str:
-    """What a page may do: run its own scripts, known by what is in them, and ask its own server for more."""
+    """The content security policy: only the scripts in the page, known by their hashes, and requests to this server."""
     digests = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
     allowed = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
     parts = ("default-src 'none'", f"script-src {allowed}", "style-src 'unsafe-inline'", "img-src data: blob:", "connect-src 'self'")
@@ -163,7 +163,7 @@ def policy(scripts: Iterable[str]) -> str:
 
 
 def _find(host: str, port: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
-    """Family and address of a host."""
+    """Address family and address of a host."""
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except (OSError, UnicodeError) as error:
@@ -173,12 +173,12 @@ def _find(host: str, port: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
 
 
 def _bracketed(host: str) -> str:
-    """As it stands in an address of the web."""
+    """A host as it is written in a URL."""
     return f"[{host}]" if ":" in host else host
 
 
 def _is_number(host: str) -> bool:
-    """Whether a host stands in an address as a number, an IPv6 one in brackets."""
+    """Whether a host in a URL is a numeric address."""
     try:
         return host == _bracketed(str(ipaddress.ip_address(host.removeprefix("[").removesuffix("]"))))
     except ValueError:

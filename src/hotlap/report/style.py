@@ -1,4 +1,4 @@
-"""Style: one hand for all figures. Colour carries data only; lines are thin; labels stand beside what they name."""
+"""Style: the common look of all figures. Colours are for data only, lines are thin, labels are beside what they name."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ _SETTINGS: Any = {
 
 
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """A function that draws, in this style and no other, whatever the user has set; the user's settings are left as they are."""
+    """Decorator: the function draws in this style, independent of the user's matplotlib settings, which stay as they are."""
 
     @wraps(draw)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
@@ -77,7 +77,7 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 @contextmanager
 def own_settings() -> Iterator[None]:
-    """Within it, matplotlib's settings are those of this style."""
+    """Context in which matplotlib has the settings of this style."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
@@ -92,12 +92,12 @@ def place_axes(figure: Figure, left: float, bottom: float, width: float, height:
 
 @lru_cache(maxsize=1000)
 def text_width(text: str, size: float) -> float:
-    """[inches] of a line of text in some size [points]."""
+    """Width [inches] of a line of text of a given size [points]."""
     return float(TextPath((0, 0), text, size=size).get_extents().width) / 72 if text.strip() else 0.0
 
 
 def headline(figure: Figure, left: float, title: str, detail: str = "", key: Sequence[tuple[str, str, str]] = ()) -> None:
-    """A title in the upper left corner with two quieter lines below, the second of which says what the marks mean.
+    """A title in the upper left corner with two grey lines below: details, and a legend of the marks.
 
     Args:
         figure: to write on.
@@ -118,6 +118,6 @@ def headline(figure: Figure, left: float, title: str, detail: str = "", key: Seq
 
 
 def headline_width(title: str, detail: str, key: Sequence[tuple[str, str, str]]) -> float:
-    """[inches] that a headline takes."""
+    """Width [inches] of a headline."""
     last = sum(text_width(mark, NORMAL) + MARK_GAP + text_width(meaning, NORMAL) + KEY_GAP for mark, _, meaning in key)
     return max(1.1 * text_width(title, LARGE), text_width(detail, NORMAL), last)

@@ -1,4 +1,4 @@
-"""Time charts: what charts over a flight's time share, and the tracking error."""
+"""Time charts: the tracking error over time, and the parts that all charts over time share."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LINE_HEIGHT = 0.14  # inches
 
 
 def draw_bands(axes: Axes, segments: Segments, width: float) -> None:
-    """Segments as faint bands with their classes below the upper edge; names lie where there is room and stand where not.
+    """Segments as coloured bands with their classes at the upper edge, written vertically where a band is narrow.
 
     Args:
         axes: with the time to the right, its limits set.
@@ -51,7 +51,7 @@ def draw_bands(axes: Axes, segments: Segments, width: float) -> None:
 
 
 def draw_gate_times(axes: Axes, times: Floats, width: float) -> None:
-    """Gates as thin lines, with numbers above wherever there is room for one."""
+    """Gates as thin lines, numbered above where there is room."""
     low, high = axes.get_xlim()
     transform, free = axes.get_xaxis_transform(), -np.inf
     for i, time in enumerate(times):
@@ -64,7 +64,7 @@ def draw_gate_times(axes: Axes, times: Floats, width: float) -> None:
 
 @styled
 def tracking_error(scene: Scene) -> Figure:
-    """Distance from the reference over time of each flight, and how far each gate was missed by the first one."""
+    """Distance of each flight from the reference over time, with its judged distance from each gate."""
     figure = Figure(figsize=(LEFT + WIDTH + RIGHT, BOTTOM + HEIGHT + TOP))
     axes, top = place_axes(figure, LEFT, BOTTOM, WIDTH, HEIGHT), _top(scene)
     axes.set_xlim(0, scene.reference.duration)
@@ -95,14 +95,14 @@ def tracking_error(scene: Scene) -> Figure:
 
 
 def _top(scene: Scene) -> float:
-    """[m] that the chart reaches up to: the flight that matters fits, another may leave it."""
+    """Upper limit of the chart [m]: the first flight fits into it, the others may leave it."""
     least = 1.75 * scene.distance
-    shown = scene.traces[0].error if scene.traces else np.zeros(0)
-    return min(max(least, 1.3 * float(shown.max(initial=0.0))), 4 * scene.distance)
+    error = scene.traces[0].error if scene.traces else np.zeros(0)
+    return min(max(least, 1.3 * float(error.max(initial=0.0))), 4 * scene.distance)
 
 
 def _draw_flight(axes: Axes, flight: Trace, colour: str, top: float) -> None:
-    """Error, judged distances and end of one flight."""
+    """Tracking error, judged distances from the gates, and end of one flight."""
     front = 4 if colour == BEST else 3
     axes.plot(flight.times, flight.error, color=colour, zorder=front)
     passed = np.arange(len(flight.gate_distance)) < flight.gates_passed
@@ -115,7 +115,7 @@ def _draw_flight(axes: Axes, flight: Trace, colour: str, top: float) -> None:
 
 
 def _draw_end(axes: Axes, time: float, error: float, top: float) -> None:
-    """Where a flight failed; what lies above the chart stands near its upper edge, with its value."""
+    """A cross where a flight failed; above the limit of the chart it is drawn near the upper edge, with its value."""
     height = min(error, 0.84 * top)  # below the names of the classes
     axes.plot(time, height, marker="x", markersize=7, markeredgewidth=1.5, color=FAILURE, zorder=8, clip_on=False)
     if error > height:

@@ -1,4 +1,4 @@
-"""Track view: a scene from above and from the side, coloured by speed."""
+"""Track view: a picture of a scene from above and from the side, the flight coloured by speed."""
 
 from __future__ import annotations
 
@@ -11,17 +11,16 @@ from matplotlib.ticker import MaxNLocator
 
 from hotlap.core.success_rate import wilson_interval
 from hotlap.report.labels import Placer
-from hotlap.report.scene import Floats, Scene
+from hotlap.report.projection import View, scene_views
+from hotlap.report.scene import Scene
 from hotlap.report.style import FAILURE, FIRST, INK, QUIET, SMALL, SPEED_MAP, headline, headline_width, place_axes, styled
 from hotlap.report.time_charts import draw_bands, draw_gate_times
 from hotlap.report.views import (
-    View,
     draw_failures,
     draw_ghost,
     draw_plan,
     draw_speed,
     frame,
-    from_above_and_aside,
     write_gates,
 )
 
@@ -33,11 +32,11 @@ STRIP, STRIP_GAP = 1.15, 0.75  # inches of the chart of speed below a plan
 
 @styled
 def track(scene: Scene) -> Figure:
-    """The plan, the first flight of a scene coloured by speed, the others as ghosts, and where flights failed.
+    """The plan, the first flight of a scene coloured by speed, the others as dashed lines, and crosses where flights failed.
 
     Without a flight, the plan itself is coloured, with its speed over time below.
     """
-    views = from_above_and_aside(scene)
+    views = scene_views(scene)
     scale = min(WIDTH / views[0].extent[0], MOST_HEIGHT / (views[0].extent[1] + views[1].extent[1]))
     width, heights = float(views[0].extent[0]) * scale, [float(view.extent[1]) * scale for view in views]
     bottom = BOTTOM + (0 if scene.traces else STRIP + STRIP_GAP)
@@ -55,38 +54,27 @@ def track(scene: Scene) -> Figure:
 
 
 def _draw(figure: Figure, view: View, scene: Scene, box: tuple[float, float, float, float], scale: float, norm: Normalize) -> None:
-    """One view, in a box of inches."""
+    """One view, in a box (left, bottom, width, height) [inches]."""
     axes, above = place_axes(figure, *box), view.up != 2
     side = "" if above else f" (along {'y' if view.across == 0 else 'x'})"
     frame(axes, view, "from above" if above else f"from the side{side}", name_across=not above)
-    shown = scene.traces[0] if scene.traces else None
     for ghost in scene.traces[1:]:
         draw_ghost(axes, view, ghost)
-    position, speed = (scene.path, scene.reference.speeds) if shown is None else (shown.position, shown.speed)
+    position, speed = scene.coloured_path
     if len(position) > 1:
         draw_speed(axes, view, position, speed, norm)
-    draw_plan(axes, view, scene, line=shown is not None)
-    failures = _failures(scene)
-    for positions, size in zip(failures, (7.0, 4.0, 4.0), strict=False):
+    draw_plan(axes, view, scene, line=bool(scene.traces))
+    for positions, size in zip(scene.failures, (7.0, 4.0, 4.0), strict=False):
         draw_failures(axes, view, positions, size)
-    lines = np.vstack([view.inches(line, scale) for line in (scene.path, position)])
+    lines = np.vstack([view.place(view.project(line), scale) for line in (scene.path, position)])
     placer = Placer((box[2], box[3]), lines)
-    for positions in failures:
-        placer.block(view.inches(positions, scale), 0.05)
+    for positions in scene.failures:
+        placer.block(view.place(view.project(positions), scale), 0.05)
     write_gates(axes, view, scene, scale, placer)
 
 
-def _failures(scene: Scene) -> list[Floats]:
-    """Where flights ended that failed, for each set of parameters, shape (F, 3) [m] (world); of the traces if nothing else was flown."""
-    if scene.repeats:
-        return [repeats.failures for repeats in scene.repeats]
-    ends = [flight.end_position[None] for flight in scene.traces]
-    known = [flight.failed and bool(np.isfinite(end).all()) for flight, end in zip(scene.traces, ends, strict=True)]
-    return [end if shown else end[:0] for end, shown in zip(ends, known, strict=True)]
-
-
 def _colour_bar(figure: Figure, left: float, bottom: float, height: float, norm: Normalize) -> None:
-    """Speeds and their colours, beside the views."""
+    """The colour bar of the speed, beside the views."""
     tall = min(height, 2.2)
     axes = place_axes(figure, left, bottom + height - tall, 0.1, tall)
     bar = figure.colorbar(ScalarMappable(norm, SPEED_MAP), cax=axes)
@@ -111,7 +99,7 @@ def _speed_over_time(figure: Figure, scene: Scene, full_width: float) -> None:
 
 
 def _fastest(scene: Scene) -> float:
-    """[m/s] at the end of the colour bar."""
+    """Largest speed of the colour bar [m/s]."""
     speeds = [scene.reference.speeds, *(flight.speed for flight in scene.traces[:1])]
     return max(1.0, float(np.max(np.concatenate(speeds))))
 
@@ -132,11 +120,11 @@ def _detail(scene: Scene) -> str:
 
 
 def _key(scene: Scene) -> list[tuple[str, str, str]]:
-    """The marks and what they mean."""
+    """Legend of the marks."""
     if not scene.traces:
         return []
     flown, *ghosts = scene.traces
-    failed = any(len(positions) for positions in _failures(scene))
+    failed = any(len(positions) for positions in scene.failures)
     return [
         ("━", colormaps[SPEED_MAP].colors[140], f"{flown.label}, {flown.ending}"),  # pyright: ignore[reportAttributeAccessIssue]
         *(("╍╍", FIRST, f"{ghost.label}, {ghost.ending}") for ghost in ghosts),

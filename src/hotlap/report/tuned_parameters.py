@@ -1,4 +1,4 @@
-"""Tuned parameters: from the first guess to the best, per parameter and segment, within bounds."""
+"""Tuned parameters: first guess and best value of each parameter in each segment, within its bounds."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PANEL, ROW = 1.5, 0.3  # inches
 
 @styled
 def tuned_parameters(change: Change, title: str, detail: str = "hollow: first guess; filled: best; log axes from bound to bound") -> Figure:
-    """A row for each segment, a panel for each parameter.
+    """A chart for each parameter with a row for each segment.
 
     Args:
         change: before and after.
@@ -38,7 +38,7 @@ def tuned_parameters(change: Change, title: str, detail: str = "hollow: first gu
 
 
 def _name(change: Change, i: int) -> str:
-    """A segment with its times, all of them together where there are several."""
+    """Class and times of a segment; the total time where it has several pieces."""
     pieces = [piece for piece in change.segments.pieces if piece.segment == i]
     times = f"{pieces[0].start:.1f}–{pieces[0].end:.1f} s" if len(pieces) == 1 else f"{sum(p.end - p.start for p in pieces):.1f} s"
     return f"{pieces[0].kind.value}  {times}"
@@ -71,14 +71,14 @@ def _draw(axes: Axes, change: Change, k: int) -> None:
 
 
 def _write(axes: Axes, value: float, row: int, low: float, high: float) -> None:
-    """A value above its mark, kept inside the panel."""
+    """Write a value above its mark, inside the chart."""
     share = np.log(value / low) / np.log(high / low)
     side = "left" if share < 0.15 else "right" if share > 0.85 else "center"
     axes.text(value, row - 0.17, f"{value:.3g}" if value < 1000 else f"{value:.0f}", fontsize=SMALL - 0.5, ha=side, va="bottom", zorder=5)
 
 
 def _ticks(axes: Axes, low: float, high: float) -> None:
-    """Bounds and the powers of ten between them that keep clear of them; for a short axis, the middle."""
+    """Ticks at the bounds and at powers of ten that are not too close to them; on a short axis, at the middle."""
     powers = [10.0**power for power in range(-6, 7)]
     inner = [power for power in powers if low * 2.5 < power < high / 2.5]
     middle = [] if inner or high < 4 * low else [float(f"{np.sqrt(low * high):.1g}")]

@@ -4,11 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from hotlap.analysis.resumable import Context
-    from hotlap.reproduce.page import Page
+    from hotlap.analysis.resumable import ResumableJobs
+    from hotlap.report.article import Article
+
+
+class Experiment(Protocol):
+    """An experiment of the paper."""
+
+    def __call__(self, jobs: ResumableJobs, *, quick: bool) -> Article:
+        """Fly what is missing, and write what was found.
+
+        Args:
+            jobs: keeps results, and the pictures of the page in its folder.
+            quick: the short form, under a minute.
+        """
+        ...
+
 
 EXPERIMENTS: Mapping[str, str] = {
     "table1": "tables",
@@ -22,11 +36,13 @@ EXPERIMENTS: Mapping[str, str] = {
 """The module of this package that holds the function of each name."""
 
 
-def perform(name: str, context: Context) -> Page:
-    """Do what is missing of an experiment.
+def perform(name: str, jobs: ResumableJobs, *, quick: bool) -> Article:
+    """Fly what is missing of an experiment, and write what was found.
 
     Args:
         name: one of `EXPERIMENTS`.
-        context: where its results are kept, and how it is done.
+        jobs: keeps results, and the pictures of the page in its folder.
+        quick: the short form, under a minute.
     """
-    return getattr(import_module(f"hotlap.reproduce.{EXPERIMENTS[name]}"), name)(context)
+    experiment: Experiment = getattr(import_module(f"hotlap.reproduce.{EXPERIMENTS[name]}"), name)
+    return experiment(jobs, quick=quick)

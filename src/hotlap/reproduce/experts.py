@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
-from hotlap.analysis.resumable import Context
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.files.descriptions import load_race
 from hotlap.first_guess.guess import first_guess
 from hotlap.first_guess.training_set import shipped
 from hotlap.planning.preparation import prepare
-from hotlap.reproduce.page import Page
+from hotlap.race.race import Race
+from hotlap.report.article import Article
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE
 from hotlap.tuning.goal import Goal, Quantity
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
@@ -36,7 +37,7 @@ RUNS = {
 class Watched:
     """Runs of a tuner that go on for so many flights, whatever they find; `training` is what the guess is learnt from."""
 
-    race: str
+    race: Race
     tuner: str
     guess: str
     seeds: int
@@ -45,7 +46,7 @@ class Watched:
 
 def watch(wanted: Watched) -> Iterator[list[list[float]]]:
     """Completion of each flight, run by run."""
-    scenario = scenario_for(prepare(load_race(wanted.race)), tuners.build(wanted.tuner))
+    scenario = scenario_for(prepare(wanted.race), tuners.build(wanted.tuner))
     settings = TuningSettings(goal=Goal(Quantity.NONE, 0.0), budget=FLIGHTS, batch=1, validation=0)
     guess = first_guess(scenario, wanted.guess)
     runs = [
@@ -58,25 +59,25 @@ def watch(wanted: Watched) -> Iterator[list[list[float]]]:
     yield flown
 
 
-def experts(context: Context) -> Page:
+def experts(jobs: ResumableJobs, *, quick: bool) -> Article:
     """Completion of the best controller so far, over ours and the published curves."""
     from hotlap.report.reproduction import draw_curves  # noqa: PLC0415  matplotlib takes half a second to load
 
-    race, seeds = ("circle-34", 3) if context.quick else ("qualifier-20", 20)
+    race, seeds = (load_race("circle-34"), 3) if quick else (load_race("qualifier-20"), 20)
     known = shipped().fingerprint
-    wanted = {f"{race}: {name}, {seeds} seeds": Watched(race, tuner, guess, seeds, known) for name, (tuner, guess) in RUNS.items()}
-    found = context.each("curves", wanted, watch)
+    wanted = {f"{race.name}: {name}, {seeds} seeds": Watched(race, tuner, guess, seeds, known) for name, (tuner, guess) in RUNS.items()}
+    found = jobs.each("curves", wanted, watch)
     curves = {name: _band(np.maximum.accumulate(np.array(found[key]), axis=1)) for key, name in zip(wanted, RUNS, strict=True)}
     published, people, band = (np.array(values, dtype=np.float64) for values in (AUTOTUNE_CURVE, EXPERTS_CURVE, EXPERTS_BAND))
     curves["AutoTune (published)"] = (published, published, published)
     curves["four experts (published)"] = (people, people - band, np.minimum(people + band, 100))
-    page = Page("AutoTune against human experts")
+    page = Article("AutoTune against human experts")
     page.say(
-        f"Completion [%] on {race} of the best flight so far, mean of {seeds} runs with one standard deviation; the published curves "
+        f"Completion [%] on {race.name} of the best flight so far, mean of {seeds} runs with one standard deviation; the published curves "
         "show the flights themselves, AutoTune's of one run, the experts' of four people. The simulators differ."
     )
-    path = context.folder / "experts.png"
-    draw_curves(path, f"tuning {race}", "best completion so far; published: of each flight", curves, "completion [%]")
+    path = jobs.folder / "experts.png"
+    draw_curves(path, f"tuning {race.name}", "best completion so far; published: of each flight", curves, "completion [%]")
     page.picture(path, "completion over flights")
     at = (1, 5, 10, 15, 20, 25)
     page.table(

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
-from hotlap.analysis.resumable import Context
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import wilson_interval
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
+from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
-from hotlap.reproduce.page import Page, percent
+from hotlap.report.article import Article, percent
 from hotlap.tuning.goal import Goal, Quantity
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -37,7 +38,7 @@ CONVERGED = 1.1  # of Gelman and Rubin's ratio
 class Starts:
     """Runs from parameters drawn evenly in logarithms within the bounds, the same in all segments; to `keep` is to go on after a find."""
 
-    race: str
+    race: Race
     tuner: str
     seeds: int
     budget: int
@@ -46,21 +47,21 @@ class Starts:
     @property
     def label(self) -> str:
         """For people."""
-        return f"{self.race}: {self.seeds} {'chains' if self.keep else 'searches'} by {self.tuner}, {self.budget} flights"
+        return f"{self.race.name}: {self.seeds} {'chains' if self.keep else 'searches'} by {self.tuner}, {self.budget} flights"
 
 
 @dataclass(frozen=True)
 class Line:
     """A straight line in logarithms between two sets of parameters, shape (S, K)."""
 
-    race: str
+    race: Race
     one: tuple[tuple[float, ...], ...]
     other: tuple[tuple[float, ...], ...]
 
 
 def search(wanted: Starts) -> Iterator[list[dict[str, Any]]]:
     """Of each run: search flights to a confirmed controller, what it is, and the samples on the way; all runs fly in one batch."""
-    scenario = scenario_for(prepare(load_race(wanted.race)), tuners.build(wanted.tuner))
+    scenario = scenario_for(prepare(wanted.race), tuners.build(wanted.tuner))
     runs = [_begin(wanted, scenario, seed) for seed in range(wanted.seeds)]
     traces: list[list[NDArray[np.float64]]] = [[] for _ in runs]
     for i, batch in tune_together(Objective(scenario, built_in_world()), runs):
@@ -90,7 +91,7 @@ def _end(run: Tuning, trace: Sequence[NDArray[np.float64]]) -> dict[str, Any]:
 
 def walk(wanted: Line) -> Iterator[list[float]]:
     """Mean completion at places along the line."""
-    scenario = prepare(load_race(wanted.race))
+    scenario = prepare(wanted.race)
     share = np.linspace(0, 1, PLACES)[:, None, None]
     values = np.exp((1 - share) * np.log(wanted.one) + share * np.log(wanted.other))
     each = np.repeat(values, FLIGHTS, axis=0)
@@ -99,15 +100,15 @@ def walk(wanted: Line) -> Iterator[list[float]]:
     yield completion.reshape(PLACES, FLIGHTS).mean(axis=1).tolist()
 
 
-def initialisations(context: Context) -> Page:
+def initialisations(jobs: ResumableJobs, *, quick: bool) -> Article:
     """Twenty random starts, the lines between what they found, and long chains."""
-    races = ("circle-34",) if context.quick else ("qualifier-20", "airsim-flip-16")
-    count, budget, long = (2, 30, 50) if context.quick else (20, 1000, 5000)
-    wanted = [Starts(race, tuner, count, budget) for race in races for tuner in TUNERS]
-    wanted += [Starts(race, CHAIN, 2 if context.quick else 4, long, keep=True) for race in races]
-    named = {one.label: one for one in wanted}
-    found = {named[label]: result for label, result in context.each("searches", named, search).items()}
-    page = Page("Random starts")
+    races = ("circle-34",) if quick else ("qualifier-20", "airsim-flip-16")
+    count, budget, long = (2, 30, 50) if quick else (20, 1000, 5000)
+    wanted = [Starts(load_race(race), tuner, count, budget) for race in races for tuner in TUNERS]
+    wanted += [Starts(load_race(race), CHAIN, 2 if quick else 4, long, keep=True) for race in races]
+    results = jobs.each("searches", {one.label: one for one in wanted}, search)
+    found = [(one, results[one.label]) for one in wanted]
+    page = Article("Random starts")
     page.say(
         f"{count} searches begin at parameters drawn evenly in logarithms within the bounds, the same in all segments; {budget} flights, "
         "ten re-flights."
@@ -115,23 +116,22 @@ def initialisations(context: Context) -> Page:
     heads = ("race", "tuner", "reach 100 % [%]", "median flights", "least", "most")
     page.table(heads, [_how_many(found, race, tuner) for race in races for tuner in TUNERS])
     for race in races:
-        own = {start: results for start, results in found.items() if start.race == race}
+        own = [(start, results) for start, results in found if start.race.name == race]
         page.head(race)
         searches, chains = (
-            [_trace(one) for start, some in own.items() if (start.tuner, start.keep) == (CHAIN, keep) for one in some]
-            for keep in (False, True)
+            [_trace(one) for start, some in own if (start.tuner, start.keep) == (CHAIN, keep) for one in some] for keep in (False, True)
         )
-        _show_traces(context, page, race, searches)
-        optima = [tuple(map(tuple, one["found"])) for results in own.values() for one in results if one["found"]]
+        _show_traces(jobs, page, race, searches)
+        optima = [tuple(map(tuple, one["found"])) for _, results in own for one in results if one["found"]]
         if len(optima) > 1:
-            _say_lines(context, page, race, optima)
-        _show_chains(context, page, race, chains)
+            _say_lines(jobs, page, race, optima)
+        _show_chains(jobs, page, race, chains)
     return page
 
 
-def _how_many(found: Mapping[Starts, Sequence[Mapping[str, Any]]], race: str, tuner: str) -> list[str]:
+def _how_many(found: Sequence[tuple[Starts, Sequence[Mapping[str, Any]]]], race: str, tuner: str) -> list[str]:
     """A row: how many searches got there, and in how many flights."""
-    some = next(results for start, results in found.items() if (start.race, start.tuner, start.keep) == (race, tuner, False))
+    some = next(results for start, results in found if (start.race.name, start.tuner, start.keep) == (race, tuner, False))
     own = [one["flights"] for one in some]
     flights = np.array([np.inf if one is None else one for one in own])
     count = int(np.isfinite(flights).sum())
@@ -150,23 +150,23 @@ def _trace(result: Mapping[str, Any]) -> Floats:
     return np.array(result["trace"])
 
 
-def _show_traces(context: Context, page: Page, race: str, traces: list[Floats]) -> None:
+def _show_traces(jobs: ResumableJobs, page: Article, race: str, traces: list[Floats]) -> None:
     """Parameters over flights."""
     from hotlap.report.reproduction import draw_traces  # noqa: PLC0415  matplotlib takes half a second to load
 
-    path, space = context.folder / f"{race}-traces.png", prepare(load_race(race)).space
+    path, space = jobs.folder / f"{race}-traces.png", prepare(load_race(race)).space
     detail = "accepted parameters over flights; a dot where the run ended"
     draw_traces(path, f"{race}: {CHAIN} from random starts", detail, space.names, traces, space.low, space.high)
     page.picture(path, "parameters over flights")
 
 
-def _say_lines(context: Context, page: Page, race: str, optima: list[tuple[tuple[float, ...], ...]]) -> None:
+def _say_lines(jobs: ResumableJobs, page: Article, race: str, optima: list[tuple[tuple[float, ...], ...]]) -> None:
     """How completion fares between two optima."""
     pairs = list(combinations(range(len(optima)), 2))
     pairs = pairs[:: max(1, len(pairs) // MOST_LINES)]
     mark = hashlib.sha256(repr(optima).encode()).hexdigest()[:8]
-    lines = {f"{race}, optima {mark}: {i} to {j}": Line(race, optima[i], optima[j]) for i, j in pairs}
-    lowest = np.array(list(context.each("lines", lines, walk).values()))[:, 1:-1].min(axis=1)
+    lines = {f"{race}, optima {mark}: {i} to {j}": Line(load_race(race), optima[i], optima[j]) for i, j in pairs}
+    lowest = np.array(list(jobs.each("lines", lines, walk).values()))[:, 1:-1].min(axis=1)
     names = prepare(load_race(race)).space.names
     factors = ", ".join(f"{factor:.1f} in {name}" for name, factor in zip(names, _spread(optima), strict=True))
     page.say(
@@ -176,11 +176,11 @@ def _say_lines(context: Context, page: Page, race: str, optima: list[tuple[tuple
     )
 
 
-def _show_chains(context: Context, page: Page, race: str, chains: list[Floats]) -> None:
+def _show_chains(jobs: ResumableJobs, page: Article, race: str, chains: list[Floats]) -> None:
     """What long chains sample, and whether they agree."""
     from hotlap.report.reproduction import draw_marginals  # noqa: PLC0415  matplotlib takes half a second to load
 
-    path, space = context.folder / f"{race}-marginals.png", prepare(load_race(race)).space
+    path, space = jobs.folder / f"{race}-marginals.png", prepare(load_race(race)).space
     samples = [chain[len(chain) // 5 :] for chain in chains]
     detail = f"{len(samples)} chains from random starts, the first fifth left out"
     draw_marginals(path, f"{race}: what {CHAIN} samples", detail, space.names, samples, space.low, space.high)

@@ -10,13 +10,13 @@ import numpy as np
 
 from hotlap.analysis.landscape import Landscape, axes, draw_survey
 from hotlap.analysis.learning import built_in_world
-from hotlap.analysis.resumable import Context
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import wilson_interval
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
-from hotlap.reproduce.page import Page, percent
+from hotlap.report.article import Article, percent
 from hotlap.tuning.objective import Objective
 
 MAPPED: Mapping[str, tuple[float, float]] = {"circle-34": (12.0, 34.0), "qualifier-20": (12.0, 20.0)}  # m/s, slow and fast
@@ -49,17 +49,17 @@ def scatter(wanted: Scatter) -> Iterator[dict[str, float]]:
     yield {"top": reference.max_speed, "mean": reference.mean_speed, **shares}
 
 
-def landscape(context: Context) -> Page:
+def landscape(jobs: ResumableJobs, *, quick: bool) -> Article:
     """Maps over two parameters, slow and fast; and how rare good parameters are at each speed."""
-    page = Page("The landscape of completion")
-    points, flights = (12, 2) if context.quick else (POINTS, FLIGHTS)
+    page = Article("The landscape of completion")
+    points, flights = (12, 2) if quick else (POINTS, FLIGHTS)
     page.say(
         f"Mean completion over {flights} flights with the same noise at every point, {points} x {points} points from bound to bound in "
         "logarithms; the other parameters are the authors' defaults, all segments alike."
     )
-    for name, (x, y) in product(list(MAPPED)[: 1 if context.quick else None], PAIRS[: 1 if context.quick else None]):
-        _map(context, page, name, Landscape(load_race(name), x, y, points, flights))
-    _scatter(context, page)
+    for name, (x, y) in product(list(MAPPED)[: 1 if quick else None], PAIRS[: 1 if quick else None]):
+        _map(jobs, page, name, Landscape(load_race(name), x, y, points, flights))
+    _scatter(jobs, page, quick=quick)
     return page
 
 
@@ -68,7 +68,7 @@ def at_speed(race: Race, v_max: float) -> Race:
     return race.model_copy(update={"planning": race.planning.model_copy(update={"v_max": v_max})})
 
 
-def _map(context: Context, page: Page, name: str, asked: Landscape) -> None:
+def _map(jobs: ResumableJobs, page: Article, name: str, asked: Landscape) -> None:
     """One pair of parameters, slow and fast."""
     from hotlap.report.reproduction import draw_maps  # noqa: PLC0415  matplotlib takes half a second to load
 
@@ -78,27 +78,27 @@ def _map(context: Context, page: Page, name: str, asked: Landscape) -> None:
         )
         for v_max in MAPPED[name]
     }
-    grids = [np.array(grid) for grid in context.each("maps", maps, draw_survey).values()]
+    grids = [np.array(grid) for grid in jobs.each("maps", maps, draw_survey).values()]
     whole = [percent(float((grid == 1).mean())) for grid in grids]
     titles = [f"{name}, v_max {v_max:g} m/s: {share} % of the map complete" for v_max, share in zip(MAPPED[name], whole, strict=True)]
     scenario = prepare(asked.race)
     default = dict(zip(scenario.space.names, scenario.space.default.tolist(), strict=True))
-    path = context.folder / f"{name}-{asked.x}-{asked.y}.png"
+    path = jobs.folder / f"{name}-{asked.x}-{asked.y}.png"
     draw_maps(path, axes(scenario, asked), (asked.x, asked.y), grids, titles, (default[asked.x], default[asked.y]))
     page.picture(path, f"completion over {asked.x} and {asked.y}")
 
 
-def _scatter(context: Context, page: Page) -> None:
+def _scatter(jobs: ResumableJobs, page: Article, *, quick: bool) -> None:
     """The faster, the more sensitive: a table and a curve."""
     from hotlap.report.reproduction import draw_shares  # noqa: PLC0415  matplotlib takes half a second to load
 
-    speeds, samples = ({"circle-34": (12.0, 34.0)}, 200) if context.quick else (SPEEDS, SAMPLES)
+    speeds, samples = ({"circle-34": (12.0, 34.0)}, 200) if quick else (SPEEDS, SAMPLES)
     pieces = {
         f"{name} at {v_max:g} m/s, {samples} samples": Scatter(at_speed(load_race(name), v_max), samples)
         for name, own in speeds.items()
         for v_max in own
     }
-    found = context.each("speeds", pieces, scatter)
+    found = jobs.each("speeds", pieces, scatter)
     rows = {(name, v_max): found[f"{name} at {v_max:g} m/s, {samples} samples"] for name, own in speeds.items() for v_max in own}
     page.head("The faster, the more sensitive")
     page.say(
@@ -112,7 +112,7 @@ def _scatter(context: Context, page: Page) -> None:
             for (name, v_max), row in rows.items()
         ],
     )
-    path = context.folder / "shares.png"
+    path = jobs.folder / "shares.png"
     draw_shares(path, {name: [rows[name, v_max] for v_max in own] for name, own in speeds.items()})
     page.picture(path, "share of random parameters that complete, over the mean speed of the plan")
 

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
-from hotlap.analysis.resumable import Context
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
-from hotlap.reproduce.page import Page, percent
+from hotlap.report.article import Article, percent
 from hotlap.reproduce.published import RACES
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
@@ -26,7 +26,7 @@ FLIGHTS = 50
 
 
 @dataclass(frozen=True)
-class Tuned:
+class TuningJob:
     """Runs to be tuned on a race."""
 
     race: Race
@@ -36,14 +36,14 @@ class Tuned:
 
 
 @dataclass(frozen=True)
-class Carried:
+class FlightJob:
     """Parameters, K each, to be flown on a race."""
 
     race: Race
     parameters: tuple[tuple[float, ...], ...]
 
 
-def tune(wanted: Tuned) -> Iterator[list[list[float]]]:
+def tune(wanted: TuningJob) -> Iterator[list[list[float]]]:
     """The best parameters of each run, confirmed or not, K each."""
     scenario = scenario_for(prepare(wanted.race), tuners.build(TUNER))
     shared: dict[str, Any] = {"budget": wanted.budget, "confirm": 10, "validation": 0, "reliability": 0.0, "randomise": wanted.randomise}
@@ -53,7 +53,7 @@ def tune(wanted: Tuned) -> Iterator[list[list[float]]]:
     yield [run.best.parameters[0].tolist() for run in runs if run.best is not None]
 
 
-def carry(wanted: Carried) -> Iterator[float]:
+def carry(wanted: FlightJob) -> Iterator[float]:
     """Mean completion over all parameters."""
     scenario = prepare(wanted.race)
     each = np.repeat(np.array(wanted.parameters)[:, None], len(scenario.segments), axis=1)
@@ -116,21 +116,21 @@ AXES: Mapping[str, tuple[str, Callable[[Race, float], Race], tuple[float, ...]]]
 SPREADS = (0.0, 0.1)  # of --randomise
 
 
-def robustness(context: Context) -> Page:
+def robustness(jobs: ResumableJobs, *, quick: bool) -> Article:
     """A matrix for each axis: rows tuned, columns flown; and a line for tuning in randomised worlds."""
-    base, seeds = load_race("circle-34" if context.quick else "qualifier-20"), 1 if context.quick else 5
-    grids = _conditions(base, quick=context.quick)
-    jobs = {f"{axis} {label}": Tuned(race, seeds) for axis, races in grids.items() for label, race in races.items()}
-    jobs |= {_randomised(spread): Tuned(base, seeds, spread, 600) for spread in SPREADS}
-    tuned = {key: tuple(map(tuple, values)) for key, values in context.each("controllers to tune", jobs, tune).items()}
+    base, seeds = load_race("circle-34" if quick else "qualifier-20"), 1 if quick else 5
+    grids = _conditions(base, quick=quick)
+    wanted = {f"{axis} {label}": TuningJob(race, seeds) for axis, races in grids.items() for label, race in races.items()}
+    wanted |= {_randomised(spread): TuningJob(base, seeds, spread, 600) for spread in SPREADS}
+    tuned = {key: tuple(map(tuple, values)) for key, values in jobs.each("controllers to tune", wanted, tune).items()}
     flights = {
-        f"{source} flown at {axis} {target}": Carried(race, tuned[source])
+        f"{source} flown at {axis} {target}": FlightJob(race, tuned[source])
         for axis, races in grids.items()
         for source in [*(f"{axis} {label}" for label in races), *map(_randomised, SPREADS)]
         for target, race in races.items()
     }
-    shares = context.each("flights", flights, carry)
-    page = Page("Robustness")
+    shares = jobs.each("flights", flights, carry)
+    page = Article("Robustness")
     page.say(
         f"Mean completion [%] on {base.name} of {seeds} controllers, {FLIGHTS} flights each, tuned under the condition of a row and flown "
         "under that of a column. Neither the plan nor the controller knows of it, but for speed and layout, which change the plan. Tuned "
@@ -138,7 +138,7 @@ def robustness(context: Context) -> Page:
     )
     for axis, races in grids.items():
         values = [[shares[f"{axis} {row} flown at {axis} {column}"] for column in races] for row in races]
-        _show_matrix(context, page, axis, list(races), np.array(values))
+        _show_matrix(jobs, page, axis, list(races), np.array(values))
     page.head("Tuned in randomised worlds")
     page.say(f"Flown under the same conditions, tuned on {base.name} as it is, or with `--randomise 0.1`:")
     for axis, races in grids.items():
@@ -164,12 +164,12 @@ def _randomised(spread: float) -> str:
     return f"randomised by {spread:g}"
 
 
-def _show_matrix(context: Context, page: Page, axis: str, labels: list[str], shares: NDArray[np.float64]) -> None:
+def _show_matrix(jobs: ResumableJobs, page: Article, axis: str, labels: list[str], shares: NDArray[np.float64]) -> None:
     """One axis: the matrix, and its mean on the diagonal and beside it."""
     from hotlap.report.reproduction import draw_matrix  # noqa: PLC0415  matplotlib takes half a second to load
 
     unit = AXES[axis][0] if axis in AXES else "race"
-    path = context.folder / f"{axis.replace(' ', '-')}.png"
+    path = jobs.folder / f"{axis.replace(' ', '-')}.png"
     draw_matrix(path, f"{axis} ({unit})", "mean completion [%]", (labels, labels), shares)
     same, other = np.diag(shares).mean(), shares[~np.eye(len(labels), dtype=bool)].mean()
     page.head(axis)

@@ -12,7 +12,7 @@ from hotlap.analysis.comparison import Cell, Run
 from hotlap.analysis.comparison_table import summarise
 from hotlap.analysis.fastest import RELIABLE, PlanSettings, fastest, judge_plan, try_plan
 from hotlap.analysis.learning import built_in_world
-from hotlap.analysis.resumable import Context
+from hotlap.analysis.resumable import ResumableJobs
 from hotlap.analysis.statistics import bootstrap_interval, means
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.files.descriptions import load_race
@@ -20,7 +20,7 @@ from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.reference.segmentation import SegmentationRule
-from hotlap.reproduce.page import Page, percent
+from hotlap.report.article import Article, percent
 from hotlap.reproduce.published import RACES, TABLE_I, TABLE_II, TABLE_III
 from hotlap.tuning.loop import TuningSettings
 
@@ -53,30 +53,30 @@ def compensated(race: Race) -> Race:
     return race.model_copy(update={"name": f"{race.name}, latency known", "model": known})
 
 
-def table1(context: Context) -> Page:
+def table1(jobs: ResumableJobs, *, quick: bool) -> Article:
     """Completion of every method on every track."""
-    seeds = tuple(range(2 if context.quick else 20))
-    races = [load_race(name) for name in (RACES[:2] if context.quick else RACES)]
+    seeds = tuple(range(2 if quick else 20))
+    races = [load_race(name) for name in (RACES[:2] if quick else RACES)]
     suites = {
         "default suite": races,
         "airsim suite": [load_race(f"airsim-{race.name}") for race in races],
         "latency known": [compensated(race) for race in races],
     }
-    methods = {name: both for name, both in METHODS.items() if not (context.quick and both[0].startswith(SLOW))}
+    methods = {name: both for name, both in METHODS.items() if not (quick and both[0].startswith(SLOW))}
     cells = {
         (suite, race.name, method): Cell(
-            race, tuner, TuningSettings(budget=QUICK if context.quick else budget, reliability=0.0, validation=50), seeds
+            race, tuner, TuningSettings(budget=QUICK if quick else budget, reliability=0.0, validation=50), seeds
         )
         for suite, own in suites.items()
         for race in own
         for method, (tuner, budget) in methods.items()
     }
-    runs = context.compare(list(cells.values()))
-    page = Page("Table I: completion")
+    runs = jobs.compare(list(cells.values()))
+    page = Article("Table I: completion")
     page.say(
         "Mean completion [%] of the best candidate at the end of a run, with a 95 % interval by resampling, the paper's in round brackets; "
         f"below each, the share of runs that confirmed a controller [%] with Wilson's interval / median search flights. {len(seeds)} "
-        f"seeds, {_budgets(methods, quick=context.quick)}, from the authors' default weights; the paper begins at its learned guess."
+        f"seeds, {_budgets(methods, quick=quick)}, from the authors' default weights; the paper begins at its learned guess."
     )
     for suite, own in suites.items():
         page.head(suite)
@@ -125,16 +125,16 @@ def median(flights: float) -> str:
     return f"{flights:.0f}" if np.isfinite(flights) else "-"
 
 
-def table2(context: Context) -> Page:
+def table2(jobs: ResumableJobs, *, quick: bool) -> Article:
     """Lap times on the tracks of Game of Drones, as planned and with the fastest plan that holds."""
-    names = ("circle-34",) if context.quick else (*GAME_OF_DRONES, "airsim-qualifier-20", "airsim-final-21")
-    settings = TuningSettings(budget=40 if context.quick else 300, confirm=10, reliability=RELIABLE, validation=200)
+    names = ("circle-34",) if quick else (*GAME_OF_DRONES, "airsim-qualifier-20", "airsim-final-21")
+    settings = TuningSettings(budget=40 if quick else 300, confirm=10, reliability=RELIABLE, validation=200)
     found: dict[str, tuple[PlanSettings, dict[str, Any]] | None] = {}
     for name in names:
         race = load_race(name)
-        do, judge = partial(_each, context, name, "plans", try_plan), partial(_each, context, name, "winners", judge_plan)
-        found[name] = fastest(race, "guided_walk", settings, do, judge, most_rounds=1 if context.quick else 40)
-    page = Page("Table II: Game of Drones")
+        do, judge = partial(_each, jobs, name, "plans", try_plan), partial(_each, jobs, name, "winners", judge_plan)
+        found[name] = fastest(race, "guided_walk", settings, do, judge, most_rounds=1 if quick else 40)
+    page = Article("Table II: Game of Drones")
     page.say(
         "Lap [s], largest and mean speed [m/s]. The teams' and AutoTune's figures are the paper's, flown by the simulator's quadrotor; "
         f"hotlap's are means over {FLOWN} flights with noise, of those that pass every gate, whose share is given. "
@@ -144,11 +144,11 @@ def table2(context: Context) -> Page:
         f"the soonest that passes every gate in {percent(RELIABLE)} % of 200 flights, twice; shown are flights that it was not chosen by."
     )
     rows = [[team, *_numbers(qualifier), "", *_numbers(final), ""] for team, (qualifier, final) in TABLE_II.items()]
-    if not context.quick:
+    if not quick:
         for suite, pair in (("default suite", names[:2]), ("airsim", names[2:])):
             plain = [_speeds(load_race(name), None, None) for name in pair]
-            quick = [_speeds(load_race(name), *(found[name] or (None, {}))) for name in pair]
-            rows += [[f"hotlap, {suite}, planned as in Table I", *plain[0], *plain[1]], [f"hotlap, {suite}, fastest", *quick[0], *quick[1]]]
+            fast = [_speeds(load_race(name), *(found[name] or (None, {}))) for name in pair]
+            rows += [[f"hotlap, {suite}, planned as in Table I", *plain[0], *plain[1]], [f"hotlap, {suite}, fastest", *fast[0], *fast[1]]]
     page.table(("", "qualifier: lap", "largest", "mean", "passed", "final: lap", "largest", "mean", "passed"), rows)
     page.head("The fastest plans")
     page.table(
@@ -158,9 +158,9 @@ def table2(context: Context) -> Page:
     return page
 
 
-def _each(context: Context, name: str, unit: str, work: Any, trials: Mapping[str, Any]) -> dict[str, Any]:
+def _each(jobs: ResumableJobs, name: str, unit: str, work: Any, trials: Mapping[str, Any]) -> dict[str, Any]:
     """Trials of a race."""
-    results = context.each(unit, {f"{name}: {key}": trial for key, trial in trials.items()}, work)
+    results = jobs.each(unit, {f"{name}: {key}": trial for key, trial in trials.items()}, work)
     return {key: results[f"{name}: {key}"] for key in trials}
 
 
@@ -185,14 +185,14 @@ def _speeds(race: Race, plan_settings: PlanSettings | None, result: Mapping[str,
     return [f"{laps:.2f}", f"{top:.2f}", f"{mean:.2f}", f"{percent(len(whole) / FLOWN)} %"]
 
 
-def table3(context: Context) -> Page:
+def table3(jobs: ResumableJobs, *, quick: bool) -> Article:
     """With and without first guess, segments, and one step for all of them; with one segment, tied steps are the same thing."""
-    seeds = tuple(range(2 if context.quick else 20))
-    settings = TuningSettings(budget=QUICK if context.quick else 300, reliability=0.0, validation=50)
-    names = ("circle-34",) if context.quick else (*RACES, *(f"airsim-{name}" for name in RACES[:-1]), "airsim-final-21")
+    seeds = tuple(range(2 if quick else 20))
+    settings = TuningSettings(budget=QUICK if quick else 300, reliability=0.0, validation=50)
+    names = ("circle-34",) if quick else (*RACES, *(f"airsim-{name}" for name in RACES[:-1]), "airsim-final-21")
     variants = [
         (guess, rule, tuner)
-        for guess in (GUESSES[:2] if context.quick else GUESSES)
+        for guess in (GUESSES[:2] if quick else GUESSES)
         for rule, tuners in ((SegmentationRule.PAPER, UNTIED + TIED), (SegmentationRule.NONE, UNTIED))
         for tuner in tuners
     ]
@@ -201,11 +201,11 @@ def table3(context: Context) -> Page:
         for name in names
         for variant in variants
     }
-    flown = iter(context.compare(list(cells.values())))
+    flown = iter(jobs.compare(list(cells.values())))
     runs = {key: [next(flown) for _ in seeds] for key in cells}
     groups = (
         {"circle-34": ["circle-34"]}
-        if context.quick
+        if quick
         else {
             "default suite": list(RACES),
             "qualifier-20": ["qualifier-20"],
@@ -214,8 +214,8 @@ def table3(context: Context) -> Page:
         }
     )
     whole = "each of the seven races of a suite (airsim with final-21 in place of final-22, which is beyond the vehicle)"
-    where = names[0] if context.quick else whole
-    page = Page("Table III: ablation")
+    where = names[0] if quick else whole
+    page = Article("Table III: ablation")
     page.say(
         f"Share of runs that confirmed a controller [%] and median search flights, within {settings.budget} flights, with 95 % intervals; "
         f"{len(seeds)} seeds on {where}, for the intervals as if all were drawn independently. The paper, on Qualifier: "

@@ -21,12 +21,8 @@ from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
 from hotlap.tuning.scoring import Metric
 
-MAY_DIFFER = ("budget", "provenance")  # a study may be given a larger budget; where numbers come from does not change a flight
-LATER = {  # keys that older studies lack: what they flew with
-    "race.controller.segment_switch": "time",
-    "race.controller.segment_switch_distance": 6.0,
-    "tuner.apart": True,
-}
+GIVEN = "given"  # name of a first guess that a program passed as numbers
+MAY_DIFFER = ("budget", "first_guess_name")  # a study may be given a larger budget; of a first guess its numbers count
 
 
 @dataclass(frozen=True)
@@ -41,6 +37,7 @@ class Configuration:
         settings: goal, budget, seed and the like.
         first_guess: shape (S, K).
         cost: of one's own, as `Objective.own_cost` names it; "" where the metric's counts.
+        first_guess_name: where the first guess comes from: "learned", "paper", "default", a path, or `GIVEN`.
     """
 
     scenario: Scenario
@@ -50,6 +47,7 @@ class Configuration:
     settings: TuningSettings
     first_guess: Parameters
     cost: str = ""
+    first_guess_name: str = GIVEN
 
     @property
     def cost_name(self) -> str:
@@ -77,7 +75,8 @@ class Configuration:
             **{field.name: getattr(self.settings, field.name) for field in fields(TuningSettings) if field.name != "goal"},
             "goal": str(self.settings.goal),
             "first_guess": self.first_guess.tolist(),
-            **({"cost": self.cost} if self.cost else {}),  # only there, so that the fingerprints of older studies stay
+            "first_guess_name": self.first_guess_name,
+            "cost": self.cost,
         }
 
 
@@ -91,14 +90,21 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
         tuner=plain["tuner"]["name"],
         settings=TuningSettings(goal=parse_goal(plain["goal"]), **numbers),
         first_guess=np.array(plain["first_guess"]),
-        cost=plain.get("cost", ""),
+        cost=plain["cost"],
+        first_guess_name=plain["first_guess_name"],
     )
 
 
 def compared(plain: Mapping[str, Any]) -> dict[str, Any]:
     """Dotted keys and values of a dump, without those that may differ between runs of one study."""
     flat = dict(_flatten(json.loads(json.dumps(plain)), ""))
-    return {key: value for key, value in flat.items() if key.rpartition(".")[2] not in MAY_DIFFER and LATER.get(key, ...) != value}
+    return {key: value for key, value in flat.items() if key not in MAY_DIFFER and not _is_provenance(key)}
+
+
+def _is_provenance(key: str) -> bool:
+    """Whether a dotted key says where numbers of the race come from, which changes no flight."""
+    path = key.split(".")
+    return path[0] == "race" and path[-1] == "provenance"
 
 
 def first_difference(stored: Mapping[str, Any], asked: Mapping[str, Any]) -> tuple[str, Any, Any] | None:
@@ -134,15 +140,19 @@ def unpack_reference(block: bytes) -> Reference:
 
 
 def _dump_segments(segments: Segments) -> dict[str, Any]:
-    """As plain JSON; owners only where segments have several pieces, so that the fingerprints of older studies stay."""
-    plain = {"starts": segments.starts.tolist(), "classes": list(segments.classes), "duration": segments.duration}
-    return {**plain, "owners": list(segments.owners)} if segments.owners else plain
+    """As plain JSON."""
+    return {
+        "starts": segments.starts.tolist(),
+        "classes": list(segments.classes),
+        "duration": segments.duration,
+        "owners": list(segments.owners),
+    }
 
 
 def _load_segments(plain: Mapping[str, Any]) -> Segments:
     """The inverse of `_dump_segments`."""
     classes = tuple(SegmentClass(name) for name in plain["classes"])
-    return Segments(np.array(plain["starts"]), classes, plain["duration"], tuple(plain.get("owners", ())))
+    return Segments(np.array(plain["starts"]), classes, plain["duration"], tuple(plain["owners"]))
 
 
 def _flatten(value: Any, key: str) -> Iterator[tuple[str, Any]]:

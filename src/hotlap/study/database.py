@@ -14,7 +14,7 @@ from hotlap.system.folder_lock import hold
 
 FILE = "study.sqlite"
 APPLICATION = 0x686F746C  # "hotl", in the header of the file
-FORMAT = 2  # of the tables and of what is kept in them; any other is refused
+FORMAT = 3  # of the tables and of what is kept in them; any other is refused
 
 _WORDS = {
     sqlite3.SQLITE_FULL: "the disk is full; all batches so far are kept: make room, and the same command goes on from there",

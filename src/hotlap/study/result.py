@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hotlap.core.success_rate import Validation
-from hotlap.tuning.loop import Candidate
+from hotlap.tuning.candidate import Candidate
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class Result:
         search_flights: without re-flights, up to the confirmed candidate.
         best: the parameters found, with the means over the flights that found and confirmed them.
         validation: of these parameters; None if none was asked for.
-        validation_flights: of all validations, also of candidates that did not hold.
-        remark: what the tuner itself has to say of the run, as of flights below a floor; "" for most.
-        wall_time: [s] of all turns, over all processes that worked on the study.
+        validation_flights: of all validations, also of candidates before it whose validation failed.
+        remark: of the tuner on its run, for example the number of flights below a safety limit; "" for most.
+        wall_time: [s] spent on the study, over all processes that worked on it.
     """
 
     race: str

@@ -11,7 +11,8 @@ import numpy as np
 
 from hotlap.core.ledger import Ledger
 from hotlap.core.parameters import Parameters
-from hotlap.study.configuration import Configuration
+from hotlap.study.configuration import GIVEN, Configuration
+from hotlap.study.database import Database
 from hotlap.study.result import Result
 from hotlap.study.study import Study
 
@@ -60,12 +61,26 @@ def read_snapshot(study: Study) -> Snapshot:
         )
 
 
+def count_flights(folder: Path) -> int:
+    """Number of flights that a study has recorded, by one short query: cheap enough to be asked every second.
+
+    Raises:
+        StudyError: the study cannot be read.
+    """
+    database = Database(folder, owned=False)
+    try:
+        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
+    finally:
+        database.close()
+
+
 def _rebuild(configuration: Configuration) -> str:
     """The command that does the same, as far as a study that does not know it can tell."""
     settings = configuration.settings
     words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
-    return shlex.join([*words, "--first-guess", "default"] if begins_at_default(configuration) else words)
+    name = "default" if begins_at_default(configuration) else configuration.first_guess_name
+    return shlex.join(words if name == GIVEN else [*words, "--first-guess", name])
 
 
 def begins_at_default(configuration: Configuration) -> bool:

@@ -1,7 +1,7 @@
-"""Study: the ledger of a tuning on disk, and all that it takes to go on after a power cut.
+"""Study: a folder that keeps every flight of a tuning, and from which an interrupted tuning is continued.
 
-A folder with one SQLite file. Each batch of flights is one transaction together with the tuner's state and its random generator, so
-that a run that was killed goes on exactly as if it never had been.
+The folder holds one SQLite file. A batch of flights and what it changed in the state of the run (the tuner, its random generator, the
+best candidate) are written in one transaction: after a kill or a power cut the run continues bit for bit as if never interrupted.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from dataclasses import replace
 from datetime import datetime
+from functools import reduce
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Self
@@ -26,6 +28,7 @@ from hotlap.core.seeds import Stream
 from hotlap.core.version import __version__
 from hotlap.study.configuration import Configuration, first_difference, load_configuration, pack_reference, unpack_reference
 from hotlap.study.database import FILE, Database
+from hotlap.study.increments import grow, increment
 from hotlap.study.result import Result
 from hotlap.tuners.tuner import remark_of
 from hotlap.tuning.loop import Batch, Tuning, tune
@@ -36,6 +39,7 @@ RUNS = Path("runs")
 _SCHEMA = """
 CREATE TABLE entry (key TEXT PRIMARY KEY, value) WITHOUT ROWID;
 CREATE TABLE opening (time TEXT, versions TEXT);
+CREATE TABLE increment (change TEXT);
 CREATE TABLE flight (stream TEXT, number INTEGER, seed INTEGER, parameters BLOB, cost REAL, completion REAL, failed_segment INTEGER,
     mean_error REAL, max_error REAL, lap_time REAL, accepted INTEGER, PRIMARY KEY (stream, number));
 """
@@ -60,6 +64,7 @@ class Study:
         self.folder = folder
         self._database = Database(folder, owned=owned)
         self._mark = time.perf_counter()
+        self._state: Any = None  # as it was recorded last, if anything was
 
     @classmethod
     def open(cls, folder: str | Path, configuration: Configuration, command: str = "") -> Self:
@@ -111,10 +116,9 @@ class Study:
 
     @property
     def tuning(self) -> Tuning:
-        """The run as it stood after the last batch, ready to go on."""
-        asked, state = self.configuration, self._entry("state")
-        restored = None if state is None else json.loads(state)
-        return Tuning(tuners.build(asked.tuner), asked.scenario, asked.settings, asked.first_guess, restored)
+        """The run after the last recorded batch, ready to be continued."""
+        asked = self.configuration
+        return Tuning(tuners.build(asked.tuner), asked.scenario, asked.settings, asked.first_guess, self._recorded_state())
 
     @property
     def wall_time(self) -> float:
@@ -176,14 +180,17 @@ class Study:
         return self._database.at_one_moment()
 
     def record(self, batch: Batch) -> None:
-        """Keep a batch and the state after it: both or neither.
+        """Keep the flights of a batch and what it changed in the state of the run: both or neither.
 
         Raises:
             StudyError: there is no room; what was recorded before is kept.
         """
+        before = self._recorded_state() if self._state is None else self._state
+        change = json.dumps(increment(before, batch.state), allow_nan=False)
         with self._transaction():
             self._insert(batch.ledger)
-            self._enter("state", json.dumps(batch.state, allow_nan=False))
+            self._database.execute("INSERT INTO increment VALUES (?)", (change,))
+        self._state = grow(before, json.loads(change))  # shares no memory with the tuner
 
     def run(self, objective: Objective, watch: Callable[[Batch], None] = lambda _: None) -> Result:
         """Tune to the end from wherever the study stands, and record every batch; a finished study flies nothing.
@@ -203,8 +210,13 @@ class Study:
         assert result is not None, "a run that has ended has flown"  # noqa: S101  our own mistake
         return result
 
+    def _recorded_state(self) -> Any:
+        """The state of the run after the last recorded batch, put together from its increments; None before the first."""
+        rows = self._database.execute("SELECT change FROM increment ORDER BY rowid")
+        return reduce(grow, (json.loads(change) for (change,) in rows), None)
+
     def _check(self, objective: Objective) -> None:
-        """Whether an objective flies what is recorded; scenarios are too large to be compared before every sitting."""
+        """Whether an objective flies what is recorded; scenarios are too large to be compared at every opening."""
         asked = self.configuration
         for key, mine, theirs in (
             ("world", asked.world, objective.world.name),
@@ -236,7 +248,7 @@ class Study:
         if asked["budget"] < plain["budget"]:
             reason = f"this study has {plain['budget']} flights and may be given more, not {asked['budget']}"
             raise StudyError(str(self.folder), "budget", reason)
-        self.configuration = configuration
+        self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"])
         with self._transaction():
             self._enter("configuration", json.dumps({**plain, "budget": asked["budget"]}, allow_nan=False))
             self._note_opening()

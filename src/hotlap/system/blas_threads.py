@@ -10,14 +10,14 @@ VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECL
 
 
 def one_thread() -> None:
-    """Ask for one, unless the user has asked for more; in time only before numpy is loaded."""
+    """Let linear algebra use one thread, unless the user has set another number; to be called before numpy is loaded."""
     for name in VARIABLES:
         os.environ.setdefault(name, "1")
 
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Processes that are begun within it use one each."""
+    """Processes that are started within it use one thread each."""
     before = {name: os.environ.get(name) for name in VARIABLES}
     os.environ.update(dict.fromkeys(VARIABLES, "1"))
     try:

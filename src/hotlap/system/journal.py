@@ -1,4 +1,4 @@
-"""LinesFile: results by key, a line of JSON each, written when a result is there; whole after a kill at any moment."""
+"""Journal: results by key, a line of JSON each, written when a result is there; whole after a kill at any moment."""
 
 from __future__ import annotations
 
@@ -13,11 +13,16 @@ from hotlap.core.errors import StudyError
 from hotlap.system.folder_lock import hold
 
 
-class LinesFile:
-    """Plain JSON by key, in `file` of a folder.
+class Journal:
+    """Results by key, in `file` of a folder.
+
+    Args:
+        folder: of the file.
+        code: digest of the source code that computes the results; None: results count whatever code has computed them.
 
     Attributes:
-        done: what is there so far.
+        done: results so far that count.
+        stale: keys of results that do not count, as other code has computed them.
 
     Raises:
         StudyError: the file cannot be read.
@@ -25,25 +30,32 @@ class LinesFile:
 
     file = "lines.jsonl"
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, code: str | None = None) -> None:
         self.path = folder / self.file
         self.done: dict[Any, Any] = {}
+        self.stale: set[Any] = set()
+        self._code = code
         self._size = self._read()
+        self.stale -= self.done.keys()
 
     @classmethod
     @contextmanager
-    def opened(cls, folder: Path) -> Iterator[Self]:
-        """Robustness a folder, made if there is none, to write.
+    def opened(cls, folder: Path, code: str | None = None) -> Iterator[Self]:
+        """Open a folder to write, made if there is none, and lock it against other processes.
+
+        Args:
+            folder: of the file.
+            code: digest of the source code that computes the results; None: results count whatever code has computed them.
 
         Raises:
             StudyError: it cannot be used, or another process holds it.
         """
         lock = hold(folder)
         try:
-            lines = cls(folder)
-            if lines.path.exists():
-                os.truncate(lines.path, lines._size)
-            yield lines
+            journal = cls(folder, code)
+            if journal.path.exists():
+                os.truncate(journal.path, journal._size)
+            yield journal
         finally:
             os.close(lock)
 
@@ -53,7 +65,8 @@ class LinesFile:
         Raises:
             StudyError: there is no room; what was kept before stays.
         """
-        line = json.dumps(self._plain(key, value), allow_nan=False) + "\n"
+        code = {} if self._code is None else {"code": self._code}
+        line = json.dumps({**self._plain(key, value), **code}, allow_nan=False) + "\n"
         try:
             with self.path.open("ab") as file:
                 file.write(line.encode())
@@ -62,8 +75,9 @@ class LinesFile:
         except OSError as error:
             raise StudyError(str(self.path), "", f"cannot be written ({error.strerror}); what was kept before stays") from None
         self.done[key] = value
+        self.stale.discard(key)
 
-    def _plain(self, key: Any, value: Any) -> Any:
+    def _plain(self, key: Any, value: Any) -> dict[str, Any]:
         """A line's content."""
         return {"key": key, "value": value}
 
@@ -81,8 +95,12 @@ class LinesFile:
             raise StudyError(str(self.path), "", f"cannot be read: {error.strerror}") from None
         for number, line in enumerate(whole.splitlines(), 1):
             try:
-                key, value = self._parsed(json.loads(line))
-                self.done[key] = value
+                plain = json.loads(line)
+                key, value = self._parsed(plain)
+                if self._code in {None, plain.get("code")}:
+                    self.done[key] = value
+                else:
+                    self.stale.add(key)
             except (ValueError, KeyError, TypeError, AttributeError):
                 raise StudyError(str(self.path), f"line {number}", "is damaged; delete the line, and it is made again") from None
         return len(whole) + 1 if whole else 0

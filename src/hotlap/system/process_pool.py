@@ -1,4 +1,4 @@
-"""Executor: independent pieces of work over processes, whose results come back as soon as each is there.
+"""Process pool: independent pieces of work over processes, whose results come back as soon as each is there.
 
 The workers of `concurrent.futures` give one result a piece, and outlive a parent that was killed; these give many, and go with it.
 """
@@ -6,7 +6,6 @@ The workers of `concurrent.futures` give one result a piece, and outlive a paren
 from __future__ import annotations
 
 import multiprocessing
-import os
 import pickle
 import signal
 from collections import deque
@@ -18,6 +17,7 @@ from typing import Any, TypeVar
 
 from hotlap.core.errors import HotlapError
 from hotlap.system.blas_threads import one_thread_each
+from hotlap.system.processors import available
 
 Piece = TypeVar("Piece")
 Item = TypeVar("Item")
@@ -39,7 +39,7 @@ def spread(work: Callable[[Piece], Iterable[Item]], pieces: Sequence[Piece], pro
     Raises:
         Exception: what a piece of work raised; the others are stopped.
     """
-    crew = min(processes or os.cpu_count() or 1, len(pieces))
+    crew = min(processes or available(), len(pieces))
     if crew <= 1:
         for piece in pieces:
             for item in work(piece):
@@ -74,7 +74,7 @@ def _serve(workers: Sequence[Connection], waiting: deque[tuple[int, Any]], piece
 
 @contextmanager
 def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[Connection]]:
-    """Processes that wait for pieces; when it ends, in whatever way, so do they."""
+    """Worker processes that wait for pieces; they are stopped when the block ends, in whatever way."""
     context = multiprocessing.get_context("spawn")
     processes: list[BaseProcess] = []
     ours: list[Connection] = []
@@ -82,7 +82,7 @@ def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[C
         with one_thread_each():
             for _ in range(crew):
                 mine, theirs = context.Pipe()
-                process = context.Process(target=_labour, args=(work, theirs), daemon=True)
+                process = context.Process(target=_serve_pipe, args=(work, theirs), daemon=True)
                 process.start()
                 theirs.close()
                 processes.append(process)
@@ -97,8 +97,8 @@ def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[C
             process.join()
 
 
-def _labour(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
-    """A worker's life: it ends with its parent's end of the pipe; Ctrl-C is the parent's business."""
+def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
+    """The loop of a worker process: it ends when its parent closes the pipe; Ctrl-C is left to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:

@@ -1,71 +1,32 @@
-"""Tuners by name: one algorithm, one file; `build` makes one.
+"""Tuners by name: every module of this folder that defines `PRESETS` is an algorithm; `build` makes one.
 
-One of your own is a class in a module of your own, laid out as those here: `my_module.MyTuner`, made as `MyTuner(name, settings)`, and
-beside it `PRESETS`, names and settings.
+A new algorithm is one new file here, `my_tuner.py`, with a class `MyTuner`, made as `MyTuner(name, settings)`, and with `PRESETS`, settings
+by the name of the preset, the default first. There is no list to edit. In a module outside of hotlap the same two are enough: the tuner's
+name is then `my_module.MyTuner`.
 """
 
 from __future__ import annotations
 
+import pkgutil
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 from hotlap.core.errors import InputError, UnknownNameError
-from hotlap.tuners import (
-    bayesian,
-    cma_es,
-    gate_gp,
-    gradient,
-    gradient_boosting,
-    guided_walk,
-    metropolis_hastings,
-    particle_swarm,
-    random_search,
-    safe_bayesian,
-    simulated_annealing,
-    tempered,
-    trust_region,
-    weighted_likelihood,
-)
-from hotlap.tuners.bayesian import Bayesian
-from hotlap.tuners.cma_es import CmaEs
-from hotlap.tuners.gate_gp import GateGp
-from hotlap.tuners.gradient import Gradient
-from hotlap.tuners.gradient_boosting import GradientBoosting
-from hotlap.tuners.guided_walk import GuidedWalk
-from hotlap.tuners.metropolis_hastings import MetropolisHastings
-from hotlap.tuners.particle_swarm import ParticleSwarm
-from hotlap.tuners.random_search import RandomSearch
-from hotlap.tuners.safe_bayesian import SafeBayesian
-from hotlap.tuners.simulated_annealing import SimulatedAnnealing
-from hotlap.tuners.tempered import Tempered
-from hotlap.tuners.trust_region import TrustRegion
+from hotlap.core.renamed import say_renamed
+from hotlap.tuners.renamed import current_name
 from hotlap.tuners.tuner import Tuner
-from hotlap.tuners.weighted_likelihood import WeightedLikelihood
 
 DEFAULT = "gate_gp"
 
-_ALGORITHMS: Mapping[str, tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]] = {
-    "bayesian": (Bayesian, bayesian.PRESETS),
-    "cma_es": (CmaEs, cma_es.PRESETS),
-    "gate_gp": (GateGp, gate_gp.PRESETS),
-    "gradient": (Gradient, gradient.PRESETS),
-    "gradient_boosting": (GradientBoosting, gradient_boosting.PRESETS),
-    "guided_walk": (GuidedWalk, guided_walk.PRESETS),
-    "metropolis_hastings": (MetropolisHastings, metropolis_hastings.PRESETS),
-    "particle_swarm": (ParticleSwarm, particle_swarm.PRESETS),
-    "random_search": (RandomSearch, random_search.PRESETS),
-    "safe_bayesian": (SafeBayesian, safe_bayesian.PRESETS),
-    "simulated_annealing": (SimulatedAnnealing, simulated_annealing.PRESETS),
-    "tempered": (Tempered, tempered.PRESETS),
-    "trust_region": (TrustRegion, trust_region.PRESETS),
-    "weighted_likelihood": (WeightedLikelihood, weighted_likelihood.PRESETS),
-}
+Maker = Callable[[str, Any], Tuner]
+Presets = Mapping[str, Any]
 
 
 def names() -> tuple[str, ...]:
     """Every algorithm with each of its presets, `NAME:PRESET`; the first preset of an algorithm is its default."""
-    return tuple(f"{algorithm}:{preset}" for algorithm, (_, presets) in _ALGORITHMS.items() for preset in presets)
+    return tuple(f"{algorithm}:{preset}" for algorithm, (_, presets) in _algorithms().items() for preset in presets)
 
 
 def build(name: str) -> Tuner:
@@ -78,10 +39,14 @@ def build(name: str) -> Tuner:
         UnknownNameError: with the names that there are.
         InputError: a class that cannot be imported.
     """
-    algorithm, separator, preset = name.partition(":")
-    if algorithm not in _ALGORITHMS and "." not in algorithm:
-        raise UnknownNameError("tuner", name, (*_ALGORITHMS, *names()), key="tuner")
-    make, presets = _ALGORITHMS[algorithm] if algorithm in _ALGORITHMS else _import(algorithm)
+    renamed = current_name(name)
+    if renamed != name:
+        say_renamed(name, renamed)
+    algorithm, separator, preset = renamed.partition(":")
+    found = _import(algorithm) if "." in algorithm else _algorithm(algorithm)
+    if found is None:
+        raise UnknownNameError("tuner", name, (*_algorithms(), *names()), key="tuner")
+    make, presets = found
     if not separator or preset == "default":
         preset = next(iter(presets))
     if preset not in presets:
@@ -89,7 +54,31 @@ def build(name: str) -> Tuner:
     return make(f"{algorithm}:{preset}", presets[preset])
 
 
-def _import(path: str) -> tuple[Callable[[str, Any], Tuner], Mapping[str, Any]]:
+def _modules() -> list[str]:
+    """Names of the modules of this package, in alphabetical order."""
+    return sorted(module.name for module in pkgutil.iter_modules(__path__) if not module.ispkg)
+
+
+def _algorithms() -> dict[str, tuple[Maker, Presets]]:
+    """Class and presets of every algorithm; imports them all."""
+    found = {module: _algorithm(module) for module in _modules()}
+    return {module: algorithm for module, algorithm in found.items() if algorithm is not None}
+
+
+def _algorithm(name: str) -> tuple[Maker, Presets] | None:
+    """Class and presets of one algorithm, or None where no module of this package is one; imports that module alone."""
+    if name not in _modules():
+        return None
+    module = import_module(f"{__name__}.{name}")
+    return (_class_of(module, name), module.PRESETS) if hasattr(module, "PRESETS") else None
+
+
+def _class_of(module: ModuleType, name: str) -> Maker:
+    """The class of an algorithm, called as its file is: `GateGp` of `gate_gp.py`."""
+    return getattr(module, "".join(word.capitalize() for word in name.split("_")))
+
+
+def _import(path: str) -> tuple[Maker, Presets]:
     """A class and its presets from a module outside of hotlap."""
     place, _, name = path.rpartition(".")
     try:

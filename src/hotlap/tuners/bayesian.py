@@ -44,7 +44,7 @@ class Family(StrEnum):
 
 
 @dataclass(frozen=True)
-class Settings:
+class BayesianSettings:
     """What tells one optimisation from another.
 
     Attributes:
@@ -58,20 +58,20 @@ class Settings:
     opening: int = 10
 
 
-PRESETS: Mapping[str, Settings] = {
-    "matern": Settings(),
-    "locally_periodic": Settings(Family.LOCALLY_PERIODIC),
-    "rational_quadratic": Settings(Family.RATIONAL_QUADRATIC),
-    "squared_exponential": Settings(Family.SQUARED_EXPONENTIAL),
-    "periodic": Settings(Family.PERIODIC),
-    "log": Settings(log=True),
+PRESETS: Mapping[str, BayesianSettings] = {
+    "matern": BayesianSettings(),
+    "locally_periodic": BayesianSettings(Family.LOCALLY_PERIODIC),
+    "rational_quadratic": BayesianSettings(Family.RATIONAL_QUADRATIC),
+    "squared_exponential": BayesianSettings(Family.SQUARED_EXPONENTIAL),
+    "periodic": BayesianSettings(Family.PERIODIC),
+    "log": BayesianSettings(log=True),
 }
 
 
 class Bayesian:
     """The opening may be asked for in batches; after it each `ask` gives one proposal, the same one until it is told."""
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: BayesianSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
@@ -124,7 +124,7 @@ class Bayesian:
 
     def _propose(self) -> Floats:
         """The point of largest expected improvement that is found, shape (S K,)."""
-        from hotlap.tuners import kernels  # noqa: PLC0415  it loads scikit-learn
+        from hotlap.tuners.surrogates import kernels  # noqa: PLC0415  it loads scikit-learn
 
         costs = np.array(self._costs)
         chosen = remembered(costs)

@@ -29,7 +29,7 @@ WORST = 1e12  # what a cost that is no number counts as
 
 
 @dataclass(frozen=True)
-class Settings:
+class CmaEsSettings:
     """What tells one strategy from another.
 
     Attributes:
@@ -47,19 +47,19 @@ class Settings:
     warm: int = 0
 
 
-PRESETS: Mapping[str, Settings] = {
-    "log": Settings(),
-    "raw": Settings(log=False),
-    "tied": Settings(tied=True),
-    "bipop": Settings(bipop=True),
-    "warm": Settings(warm=12),
+PRESETS: Mapping[str, CmaEsSettings] = {
+    "log": CmaEsSettings(),
+    "raw": CmaEsSettings(log=False),
+    "tied": CmaEsSettings(tied=True),
+    "bipop": CmaEsSettings(bipop=True),
+    "warm": CmaEsSettings(warm=12),
 }
 
 
 class CmaEs:
     """A generation at a time. The first guess is flown first, and is the mean of the first generation."""
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: CmaEsSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

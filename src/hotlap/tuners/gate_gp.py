@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
-from hotlap.tuners.gate_process import GateKernel, Group, climb, condition, gate_groups
+from hotlap.tuners.surrogates.gate_process import GateKernel, Group, climb_at_random, condition, gate_groups
 from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
 
 Floats = NDArray[np.float64]
@@ -41,7 +41,7 @@ PROBIT = 1.7  # softplus(1.7 z) is nearly -log of the chance that a standard nor
 
 
 @dataclass(frozen=True)
-class Settings(WalkSettings):
+class GateGpSettings(WalkSettings):
     """What tells one from another.
 
     Attributes:
@@ -57,17 +57,17 @@ class Settings(WalkSettings):
     gates: bool = True
 
 
-PRESETS: Mapping[str, Settings] = {
-    "default": Settings(),
-    "whole": Settings(gates=False),
-    "one_generation": Settings(generations=1),
-    "tied": Settings(parted=0.0),
-    "no_restarts": Settings(restart_probability=0.0, exploration=0.0),
-    "no_exploration": Settings(exploration=0.0),
+PRESETS: Mapping[str, GateGpSettings] = {
+    "default": GateGpSettings(),
+    "whole": GateGpSettings(gates=False),
+    "one_generation": GateGpSettings(generations=1),
+    "tied": GateGpSettings(parted=0.0),
+    "no_restarts": GateGpSettings(restart_probability=0.0, exploration=0.0),
+    "no_exploration": GateGpSettings(exploration=0.0),
 }
 
 
-class GateGp(Walk[Settings]):
+class GateGp(Walk[GateGpSettings]):
     """A walk guided by a process for every gate."""
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
@@ -117,7 +117,7 @@ class GateGp(Walk[Settings]):
         if self._kernel is None or len(costs) % REFIT == 0:
             first, later = STRIDES
             start, strides = (GateKernel.prior(points.shape[2]), first) if self._kernel is None else (self._kernel, later)
-            self._kernel = climb(points, groups, start, strides, self._rng)
+            self._kernel = climb_at_random(points, groups, start, strides, self._rng)
         posterior = condition(points, groups, self._kernel)
         values = self._value(*posterior.predict(points), 0.0)
         if self._rng.random() < self.settings.restart_probability:

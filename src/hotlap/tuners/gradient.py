@@ -46,7 +46,7 @@ class UpdateRule(StrEnum):
 
 
 @dataclass(frozen=True)
-class Settings:
+class GradientSettings:
     """What tells one descent from another.
 
     Attributes:
@@ -78,14 +78,14 @@ class Settings:
         return self.shake / (k + 1) ** GAMMA
 
 
-PRESETS: Mapping[str, Settings] = {
-    "spsa": Settings(),
-    "spsa_metric": Settings(dense=False),
-    "spsa_averaged": Settings(averages=4),
-    "spsa_segments": Settings(tied=False),
-    "spsa_adam": Settings(rule=UpdateRule.ADAM),
-    "finite_differences": Settings(Estimate.FINITE_DIFFERENCES, stability=2),
-    "finite_differences_segments": Settings(Estimate.FINITE_DIFFERENCES, stability=0, tied=False),
+PRESETS: Mapping[str, GradientSettings] = {
+    "spsa": GradientSettings(),
+    "spsa_metric": GradientSettings(dense=False),
+    "spsa_averaged": GradientSettings(averages=4),
+    "spsa_segments": GradientSettings(tied=False),
+    "spsa_adam": GradientSettings(rule=UpdateRule.ADAM),
+    "finite_differences": GradientSettings(Estimate.FINITE_DIFFERENCES, stability=2),
+    "finite_differences_segments": GradientSettings(Estimate.FINITE_DIFFERENCES, stability=0, tied=False),
 }
 
 
@@ -95,7 +95,7 @@ class Gradient:
     The place itself is not flown again: what holds must hold at the points around it.
     """
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: GradientSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

@@ -29,7 +29,7 @@ WORST = 1e12  # what a cost counts as at most
 
 
 @dataclass(frozen=True)
-class Settings:
+class GradientBoostingSettings:
     """What tells one search from another.
 
     Attributes:
@@ -45,13 +45,13 @@ class Settings:
     log: bool = False
 
 
-PRESETS: Mapping[str, Settings] = {"surrogate": Settings(), "log": Settings(log=True)}
+PRESETS: Mapping[str, GradientBoostingSettings] = {"surrogate": GradientBoostingSettings(), "log": GradientBoostingSettings(log=True)}
 
 
 class GradientBoosting:
     """Every flight is remembered. An ask gives points chosen by the latest fit, the same until they are told."""
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: GradientBoostingSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

@@ -20,20 +20,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
-from hotlap.tuners.gaussian_process import LENGTHS, Shape, choose_shape, fit
+from hotlap.tuners.surrogates.gaussian_process import Kernel, likeliest_of
 from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
 
 Floats = NDArray[np.float64]
 
 ROAMING = 40  # flights, after which it exploration no more
 POOL = 300  # candidates
+LENGTHS = (0.7, 1.5, 3.0, 6.0)  # grid of the length scale, times the square root of the number of segments
+NOISES = (0.02, 0.1, 0.3, 0.8)  # grid of the noise's variance over the signal's
 REFIT = 10  # flights between looks at the likelihood
 STEP_SIZES = (math.log(0.1), math.log(1.5))  # of a candidate, in units of `step`
 EAGERNESS = (math.log(0.3), math.log(3.0))  # of k
 
 
 @dataclass(frozen=True)
-class Settings(WalkSettings):
+class GuidedWalkSettings(WalkSettings):
     """What tells one guided walk from another.
 
     Attributes:
@@ -45,34 +47,34 @@ class Settings(WalkSettings):
     apart: bool = True
 
 
-PRESETS: Mapping[str, Settings] = {
-    "default": Settings(),
-    "tied": Settings(apart=False),
-    "segments": Settings(correlation=0.9),
-    "independent": Settings(correlation=0.0),
-    "sparse": Settings(dense=False),
-    "no_restarts": Settings(restart_probability=0.0, exploration=0.0),
-    "no_exploration": Settings(exploration=0.0),
+PRESETS: Mapping[str, GuidedWalkSettings] = {
+    "default": GuidedWalkSettings(),
+    "tied": GuidedWalkSettings(apart=False),
+    "segments": GuidedWalkSettings(correlation=0.9),
+    "independent": GuidedWalkSettings(correlation=0.0),
+    "sparse": GuidedWalkSettings(dense=False),
+    "no_restarts": GuidedWalkSettings(restart_probability=0.0, exploration=0.0),
+    "no_exploration": GuidedWalkSettings(exploration=0.0),
 }
 
 
-class GuidedWalk(Walk[Settings]):
+class GuidedWalk(Walk[GuidedWalkSettings]):
     """A walk guided by one process for the cost."""
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin at the first guess."""
         super().start(first_guess, space, rng)
-        self._kernel: Shape | None = None
+        self._kernel: Kernel | None = None
         self._factor = _factor(self.settings.correlation, len(first_guess))
 
     def state(self) -> dict[str, Any]:
         """Every flight, the kernel, a proposal under way and the random generator."""
-        return {**super().state(), "kernel": None if self._kernel is None else [self._kernel.length, self._kernel.noise]}
+        return {**super().state(), "kernel": None if self._kernel is None else [self._kernel.lengths, self._kernel.noise]}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go on where `state()` was taken."""
         super().restore(state)
-        self._kernel = None if state["kernel"] is None else Shape(*state["kernel"])
+        self._kernel = None if state["kernel"] is None else Kernel(*state["kernel"])
 
     def _roaming(self, flown: int) -> float:
         """Chance of a flight anywhere after so many."""
@@ -89,9 +91,9 @@ class GuidedWalk(Walk[Settings]):
         chosen = fitted(costs)
         points, costs = np.array(self._points)[chosen], costs[chosen]
         if self._kernel is None or len(self._costs) % REFIT == 0:
-            lengths = tuple(length * math.sqrt(self._shape_of_parameters[0]) for length in LENGTHS)
-            self._kernel = choose_shape(points, costs, lengths)
-        posterior = fit(points, costs, self._kernel)
+            lengths = [length * math.sqrt(self._shape_of_parameters[0]) for length in LENGTHS]
+            self._kernel = likeliest_of(points, costs, lengths, NOISES)
+        posterior = self._kernel.condition(points, costs)
         means = posterior.predict(points)[0]
         if self._rng.random() < self.settings.restart_probability:
             return self._leap(points[leaping_points(means)])

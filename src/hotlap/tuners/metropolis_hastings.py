@@ -40,7 +40,7 @@ class Reach(StrEnum):
 
 
 @dataclass(frozen=True)
-class Settings:
+class MetropolisHastingsSettings:
     """What tells one sampler from another.
 
     Attributes:
@@ -66,13 +66,13 @@ class Settings:
 
 _RELEASED = {"score": Score.ROOT, "reach": Reach.FAILED, "horizon": 0.1}
 
-PRESETS: Mapping[str, Settings] = {
-    "tied": Settings(sigma=0.3, scale=Scale.LOG, tied=1.0),
-    "paper": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0),  # sigma = 5, Sec. IV-A
-    "untied_log": Settings(sigma=0.3, scale=Scale.LOG, tied=0.0),
-    "released": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0, rollback=False, **_RELEASED),
-    "released_rollback": Settings(sigma=5.0, scale=Scale.RAW, tied=0.0, **_RELEASED),
-    "released_log": Settings(sigma=0.3, scale=Scale.LOG, tied=0.0, **_RELEASED),
+PRESETS: Mapping[str, MetropolisHastingsSettings] = {
+    "tied": MetropolisHastingsSettings(sigma=0.3, scale=Scale.LOG, tied=1.0),
+    "paper": MetropolisHastingsSettings(sigma=5.0, scale=Scale.RAW, tied=0.0),  # sigma = 5, Sec. IV-A
+    "untied_log": MetropolisHastingsSettings(sigma=0.3, scale=Scale.LOG, tied=0.0),
+    "released": MetropolisHastingsSettings(sigma=5.0, scale=Scale.RAW, tied=0.0, rollback=False, **_RELEASED),
+    "released_rollback": MetropolisHastingsSettings(sigma=5.0, scale=Scale.RAW, tied=0.0, **_RELEASED),
+    "released_log": MetropolisHastingsSettings(sigma=0.3, scale=Scale.LOG, tied=0.0, **_RELEASED),
 }
 
 
@@ -88,7 +88,7 @@ class MetropolisHastings:
         temperature: of the next decision; the settings' until it is changed.
     """
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: MetropolisHastingsSettings) -> None:
         self.name, self.settings = name, settings
         self.temperature = settings.temperature
 
@@ -130,13 +130,10 @@ class MetropolisHastings:
         self._rng.bit_generator.state = state["rng"]
 
     def _step(self, proposal: Parameters, cost: float, failed: int) -> bool:
-        """Decide about one proposal; costs are compared by their logarithmic scores, because exp(-300) is 0."""
+        """Decide about one proposal."""
         cost = cost if math.isfinite(cost) else math.inf
-        threshold = self._rng.standard_exponential()  # -log u, drawn whether or not it is needed: one step, one draw
-        accepted = self._cost is None or cost <= self._cost
-        if self._cost is not None and not accepted:
-            energy = [negative_log_score(self.settings.score, m) for m in (cost, self._cost)]
-            accepted = (energy[0] - energy[1]) / self.temperature < threshold  # u < alpha = min(1, d(w')/d(w)), Sec. IV-A
+        threshold = self._rng.standard_exponential()  # drawn whether or not it is needed: one step, one draw
+        accepted = self._cost is None or bool(accepts(self.settings.score, self.temperature, cost, self._cost, threshold))
         if accepted:
             self._cost, self._failed = cost, failed
         if accepted or not self.settings.rollback:
@@ -145,7 +142,9 @@ class MetropolisHastings:
         return accepted
 
 
-def propose(settings: Settings, space: ParameterSpace, rng: np.random.Generator, sample: Parameters, failed: int) -> Parameters:
+def propose(
+    settings: MetropolisHastingsSettings, space: ParameterSpace, rng: np.random.Generator, sample: Parameters, failed: int
+) -> Parameters:
     """A Gaussian step from a sample, mirrored at the bounds.
 
     Args:
@@ -176,6 +175,23 @@ def window(segments: int, failed: int) -> NDArray[np.float64]:
     return np.where((behind >= 0) & (behind < len(WINDOW)), np.take(WINDOW, behind, mode="clip"), 0.0)
 
 
-def negative_log_score(score: Score, cost: float) -> float:
-    """-log d(w) at temperature 1; infinite where the cost is."""
-    return cost if score is Score.EXPONENTIAL else 2.0 * math.sqrt(max(cost, 0.0))  # d = exp(-m), Eq. 5; exp(-2 sqrt m), released code
+def accepts(score: Score, temperature: float, proposed: Any, current: Any, threshold: Any) -> Any:
+    """Whether a proposal is accepted: u < alpha = min(1, d(w') / d(w)), Sec. IV-A; elementwise.
+
+    Scores are compared by their logarithms, because exp(-300) is 0. Of two infinite costs neither is worse.
+
+    Args:
+        score: of a cost.
+        temperature: T of the score.
+        proposed: cost of the proposal, a number or an array.
+        current: cost of the current sample.
+        threshold: -log u, u uniform in (0, 1).
+    """
+    with np.errstate(invalid="ignore"):  # infinity minus infinity
+        rise = (negative_log_score(score, proposed) - negative_log_score(score, current)) / temperature
+    return (proposed <= current) | (rise < threshold)
+
+
+def negative_log_score(score: Score, cost: Any) -> Any:
+    """-log d of a cost, a number or an array, at temperature 1; infinite where the cost is."""
+    return cost if score is Score.EXPONENTIAL else 2.0 * np.sqrt(np.maximum(cost, 0.0))  # d = exp(-m), Eq. 5; exp(-2 sqrt m), released code

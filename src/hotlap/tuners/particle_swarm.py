@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Settings:
+class ParticleSwarmSettings:
     """What tells one swarm from another.
 
     Attributes:
@@ -38,7 +38,7 @@ class Settings:
     log: bool = False
 
 
-PRESETS: Mapping[str, Settings] = {"paper": Settings(), "log": Settings(spread=0.15, log=True)}
+PRESETS: Mapping[str, ParticleSwarmSettings] = {"paper": ParticleSwarmSettings(), "log": ParticleSwarmSettings(spread=0.15, log=True)}
 
 
 class ParticleSwarm:
@@ -47,7 +47,7 @@ class ParticleSwarm:
     Places are clipped at the box, and a velocity is set to nothing where that happens.
     """
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: ParticleSwarmSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

@@ -29,7 +29,7 @@ class Draw(StrEnum):
 
 
 @dataclass(frozen=True)
-class Settings:
+class RandomSearchSettings:
     """What tells one search from another.
 
     Attributes:
@@ -41,17 +41,17 @@ class Settings:
     variance: float = 5.0
 
 
-PRESETS: Mapping[str, Settings] = {
-    "paper": Settings(Draw.AROUND),  # uniform, independent per axis, variance 5, Table I
-    "uniform": Settings(Draw.UNIFORM),
-    "log_uniform": Settings(Draw.LOG_UNIFORM),
+PRESETS: Mapping[str, RandomSearchSettings] = {
+    "paper": RandomSearchSettings(Draw.AROUND),  # uniform, independent per axis, variance 5, Table I
+    "uniform": RandomSearchSettings(Draw.UNIFORM),
+    "log_uniform": RandomSearchSettings(Draw.LOG_UNIFORM),
 }
 
 
 class RandomSearch:
     """Independent draws, after the first guess itself; it learns nothing."""
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: RandomSearchSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
-from hotlap.tuners.gaussian_process import Conditioned, Prior, condition
 from hotlap.tuners.subspace import SPACING, Direction, Lattice, axes_of, draw_direction
+from hotlap.tuners.surrogates.gaussian_process import Posterior, Prior
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -31,7 +31,7 @@ WORST = -800.0  # performance of a flight without a cost; the largest number's i
 
 
 @dataclass(frozen=True)
-class Settings:
+class SafeBayesianSettings:
     """What tells one search from another; lengths are in steps of `log_step`, performances in natural logarithms.
 
     Attributes:
@@ -55,12 +55,12 @@ class Settings:
     dense: bool = True
 
 
-PRESETS: Mapping[str, Settings] = {
-    "plane": Settings(optimistic=True),
-    "safeopt": Settings(),
-    "damping": Settings(subspace=(Direction.GAIN, Direction.DAMPING), optimistic=True),
-    "lines": Settings(subspace=(), optimistic=True),
-    "lines_safeopt": Settings(subspace=()),
+PRESETS: Mapping[str, SafeBayesianSettings] = {
+    "plane": SafeBayesianSettings(optimistic=True),
+    "safeopt": SafeBayesianSettings(),
+    "damping": SafeBayesianSettings(subspace=(Direction.GAIN, Direction.DAMPING), optimistic=True),
+    "lines": SafeBayesianSettings(subspace=(), optimistic=True),
+    "lines_safeopt": SafeBayesianSettings(subspace=()),
 }
 
 
@@ -71,7 +71,7 @@ class SafeBayesian:
     smallest steps from the best flight so far, without any assurance, until a flight passes a gate: that one becomes the first guess.
     """
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: SafeBayesianSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
@@ -175,13 +175,13 @@ class SafeBayesian:
         best = max(range(len(self._points)), key=lambda i: (self._performances[i], i))
         return np.clip(self._points[best] + SPACING * draw_direction(self._axes, self._rng)[0], self._low, self._high)
 
-    def _posterior(self) -> Conditioned:
+    def _posterior(self) -> Posterior:
         """After all flights; away from them the performance is believed to be at the floor."""
         prior, noise = self.settings.prior, float(self._baseline().std())
         values = np.maximum(self._performances, self.floor - DEPTH * prior.signal)
-        return condition(np.array(self._points), values, self.floor, Prior(prior.length, prior.signal, max(prior.noise, noise)))
+        return replace(prior, noise=max(prior.noise, noise)).condition(np.array(self._points), values, self.floor)
 
-    def _follow_line(self, posterior: Conditioned) -> None:
+    def _follow_line(self, posterior: Posterior) -> None:
         """Count flights on a line; when it is done, lay the next one through the flight of the highest lower bound."""
         if self._left == 0:
             flown = np.array(self._points)
@@ -201,7 +201,7 @@ class SafeBayesian:
         return np.where(point == 0.0, self._first, moved)
 
 
-def choose(posterior: Conditioned, points: Floats, floor: float, settings: Settings) -> int:
+def choose(posterior: Posterior, points: Floats, floor: float, settings: SafeBayesianSettings) -> int:
     """Index of the next point: of the safe set S_n = {l_n >= J_min}, of which the first point always is.
 
     SafeOpt takes the widest bounds of the maximisers M_n = {u_n >= max l_n} and the expanders G_n (Berkenkamp and others, Sec. IV).
@@ -218,7 +218,7 @@ def choose(posterior: Conditioned, points: Floats, floor: float, settings: Setti
     return int(np.argmax(np.where(useful, deviation, -np.inf)))
 
 
-def expanders(posterior: Conditioned, points: Floats, unsafe: Floats, floor: float, beta: float) -> Flags:
+def expanders(posterior: Posterior, points: Floats, unsafe: Floats, floor: float, beta: float) -> Flags:
     """Whether a point, were it as good as its upper bound, would make an unsafe one safe: g_n > 0, shape (m,).
 
     Differs from the authors' code: the supposed performance is u_n without noise, since u_n bounds that.

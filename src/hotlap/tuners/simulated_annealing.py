@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
-from hotlap.tuners import metropolis_hastings
-from hotlap.tuners.metropolis_hastings import MetropolisHastings
+from hotlap.tuners.metropolis_hastings import MetropolisHastings, MetropolisHastingsSettings, Scale
 
 
 class Cooling(StrEnum):
@@ -28,7 +27,7 @@ class Cooling(StrEnum):
 
 
 @dataclass(frozen=True)
-class Settings:
+class SimulatedAnnealingSettings:
     """What tells one annealing from another.
 
     Attributes:
@@ -38,7 +37,7 @@ class Settings:
         coldest: temperature below which it does not fall.
     """
 
-    walk: metropolis_hastings.Settings
+    walk: MetropolisHastingsSettings
     cooling: Cooling = Cooling.GEOMETRIC
     factor: float = 0.95
     coldest: float = 0.1
@@ -53,21 +52,21 @@ class Settings:
 
 
 HOT = 30.0  # seconds of cost: a few gates missed
-_TIED = metropolis_hastings.Settings(0.3, metropolis_hastings.Scale.LOG, tied=1.0, temperature=HOT)
-_PAPER = metropolis_hastings.Settings(5.0, metropolis_hastings.Scale.RAW, tied=0.0, temperature=HOT)
+_TIED = MetropolisHastingsSettings(0.3, Scale.LOG, tied=1.0, temperature=HOT)
+_PAPER = MetropolisHastingsSettings(5.0, Scale.RAW, tied=0.0, temperature=HOT)
 
-PRESETS: Mapping[str, Settings] = {
-    "tied": Settings(_TIED),
-    "slow": Settings(_TIED, factor=0.99),
-    "logarithmic": Settings(_TIED, Cooling.LOGARITHMIC),
-    "paper": Settings(_PAPER),  # the paper's steps, cooled
+PRESETS: Mapping[str, SimulatedAnnealingSettings] = {
+    "tied": SimulatedAnnealingSettings(_TIED),
+    "slow": SimulatedAnnealingSettings(_TIED, factor=0.99),
+    "logarithmic": SimulatedAnnealingSettings(_TIED, Cooling.LOGARITHMIC),
+    "paper": SimulatedAnnealingSettings(_PAPER),  # the paper's steps, cooled
 }
 
 
 class SimulatedAnnealing:
     """A chain of `MetropolisHastings` whose temperature is set before each decision."""
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: SimulatedAnnealingSettings) -> None:
         self.name, self.settings = name, settings
         self._chain = MetropolisHastings(name, settings.walk)
 

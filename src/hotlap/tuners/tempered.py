@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
 from hotlap.tuners import metropolis_hastings
-from hotlap.tuners.metropolis_hastings import negative_log_score, propose
+from hotlap.tuners.metropolis_hastings import MetropolisHastingsSettings, negative_log_score, propose
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ class Phase(StrEnum):
 
 
 @dataclass(frozen=True)
-class Settings:
+class TemperedSettings:
     """What tells one set of chains from another.
 
     Attributes:
@@ -44,7 +44,7 @@ class Settings:
         tries: proposals of a chain's step; more than one cost `tries - 1` flights more, of references.
     """
 
-    walk: metropolis_hastings.Settings
+    walk: MetropolisHastingsSettings
     temperatures: tuple[float, ...] = (1.0,)
     swaps: bool = False
     tries: int = 1
@@ -52,11 +52,11 @@ class Settings:
 
 _TIED = metropolis_hastings.PRESETS["tied"]
 
-PRESETS: Mapping[str, Settings] = {
-    "swapping": Settings(_TIED, (1.0, 4.0, 16.0, 64.0), swaps=True),
-    "independent": Settings(_TIED, (1.0, 1.0, 1.0, 1.0)),
-    "multiple_try": Settings(_TIED, tries=3),
-    "swapping_paper": Settings(metropolis_hastings.PRESETS["paper"], (1.0, 4.0, 16.0, 64.0), swaps=True),
+PRESETS: Mapping[str, TemperedSettings] = {
+    "swapping": TemperedSettings(_TIED, (1.0, 4.0, 16.0, 64.0), swaps=True),
+    "independent": TemperedSettings(_TIED, (1.0, 1.0, 1.0, 1.0)),
+    "multiple_try": TemperedSettings(_TIED, tries=3),
+    "swapping_paper": TemperedSettings(metropolis_hastings.PRESETS["paper"], (1.0, 4.0, 16.0, 64.0), swaps=True),
 }
 
 
@@ -66,7 +66,7 @@ class Tempered:
     All begin at the first guess, which is flown once. A step of the walk must be symmetric, as that of `Reach.ALL` is.
     """
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: TemperedSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
-from hotlap.tuners.anisotropic_process import Kernel, draw_paths, most_likely
+from hotlap.tuners.surrogates.gaussian_process import Kernel, climb
+from hotlap.tuners.surrogates.posterior_paths import draw_paths
 from hotlap.tuners.unit_box import UnitBox, latin_hypercube
 
 Floats = NDArray[np.float64]
@@ -29,6 +30,7 @@ SUCCESSES = 3  # in a row, after which the box doubles
 LEAST_FAILURES = 4  # flights in a row, or one for each axis, after which it halves
 GAIN = 1e-3  # share of the best cost by which a success must be lower
 FIRST_LENGTH, FIRST_NOISE = 0.5, 0.005  # where the likelihood is climbed from
+LENGTHS, NOISES = (0.005, 2.0), (5e-4, 0.2)  # bounds of the likelihood's ascent, in the unit box: released code
 REFIT = 5  # flights between climbs
 CANDIDATES = (100, 5000)  # for each axis, and at most; the power of two below is taken
 MOVED = 20  # axes along which a candidate leaves the centre, on average
@@ -38,7 +40,7 @@ WORST = 1e12  # what a cost counts as at most
 
 
 @dataclass(frozen=True)
-class Settings:
+class TrustRegionSettings:
     """What tells one search from another.
 
     Attributes:
@@ -57,18 +59,18 @@ class Settings:
     dense: bool = False
 
 
-PRESETS: Mapping[str, Settings] = {
-    "default": Settings(),
-    "raw": Settings(log=False),
-    "dense": Settings(dense=True),
-    "tied": Settings(tied=True),
+PRESETS: Mapping[str, TrustRegionSettings] = {
+    "default": TrustRegionSettings(),
+    "raw": TrustRegionSettings(log=False),
+    "dense": TrustRegionSettings(dense=True),
+    "tied": TrustRegionSettings(tied=True),
 }
 
 
 class TrustRegion:
     """One trust region after the other. An ask gives what waits to be flown, the same until it is told."""
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: TrustRegionSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
@@ -109,7 +111,7 @@ class TrustRegion:
             "waiting": self._waiting.tolist(),
             "side": self._side,
             "counts": [self._flown, self._initial, self._successes, self._failures, self._fitted],
-            "kernel": None if kernel is None else [kernel.lengths.tolist(), kernel.noise],
+            "kernel": None if kernel is None else [np.asarray(kernel.lengths).tolist(), kernel.noise],
             "rng": self._rng.bit_generator.state,
         }
 
@@ -148,13 +150,12 @@ class TrustRegion:
         """For each of `count` functions drawn from the posterior the lowest candidate, none twice, shape (count, d)."""
         points, costs = self._remembered()
         if self._kernel is None or len(self._costs) - self._fitted >= REFIT:
-            start = self._kernel or Kernel(np.full(self._size, FIRST_LENGTH), FIRST_NOISE)
-            self._kernel, self._fitted = most_likely(points, costs, start), len(self._costs)
-        lengths = self._kernel.lengths
+            start = self._kernel or Kernel(FIRST_LENGTH, FIRST_NOISE)
+            self._kernel, self._fitted = climb(points, costs, start, LENGTHS, NOISES), len(self._costs)
         posterior = self._kernel.condition(points, costs)
-        centre = points[int(np.argmin(posterior.predict(points / lengths)[0]))]
-        candidates = self._candidates(centre, lengths)
-        values = draw_paths(posterior, self._kernel.noise, count, self._rng).at(candidates / lengths)
+        centre = points[int(np.argmin(posterior.predict(points)[0]))]
+        candidates = self._candidates(centre, np.asarray(self._kernel.lengths))
+        values = draw_paths(posterior, self._kernel.noise, count, self._rng).at(candidates)
         chosen = []
         for drawn in values.T:
             chosen.append(int(np.argmin(drawn)))

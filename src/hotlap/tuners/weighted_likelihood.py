@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Settings:
+class WeightedLikelihoodSettings:
     """What tells one policy search from another.
 
     Attributes:
@@ -44,10 +44,10 @@ class Settings:
     dense: bool = False
 
 
-PRESETS: Mapping[str, Settings] = {
-    "tied": Settings(),
-    "segments": Settings(samples=20, tied=False),
-    "dense": Settings(dense=True),
+PRESETS: Mapping[str, WeightedLikelihoodSettings] = {
+    "tied": WeightedLikelihoodSettings(),
+    "segments": WeightedLikelihoodSettings(samples=20, tied=False),
+    "dense": WeightedLikelihoodSettings(dense=True),
 }
 
 
@@ -109,7 +109,7 @@ def weigh(costs: Floats, greed: float) -> Floats:
 class WeightedLikelihood:
     """An iteration at a time; the first sample of the first one is the first guess, the policy's first mean."""
 
-    def __init__(self, name: str, settings: Settings) -> None:
+    def __init__(self, name: str, settings: WeightedLikelihoodSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:

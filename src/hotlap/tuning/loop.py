@@ -1,7 +1,7 @@
-"""Tuning: ask, fly, confirm, validate, tell, until a result holds or the budget is spent; knows no file.
+"""Tuning: ask, fly, confirm, validate, tell, until a candidate is reliable or the budget is spent; knows no file.
 
-The paper confirms a candidate by four more flights (Sec. IV-A). Four of four is a lottery: with many candidates, one that completes
-two flights of three wins it soon. So a confirmed candidate is flown 200 times more, and the search goes on if it does not hold.
+The paper confirms a candidate by four re-flights (Sec. IV-A). Among many candidates, one that completes two flights of three soon
+passes them by chance. So a confirmed candidate is validated by 200 flights more, and the search goes on if too few of them succeed.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from hotlap.core.seeds import FLIGHTS_A_STREAM, LARGEST_RUN_SEED, Stream, flight
 from hotlap.core.success_rate import FLIGHTS, RELIABILITY, Validation
 from hotlap.reference.scenario import Scenario
 from hotlap.tuners.tuner import Tuner
+from hotlap.tuning.candidate import Candidate, reported_scores, summarise
 from hotlap.tuning.goal import Goal
 from hotlap.tuning.objective import Objective
 
@@ -37,7 +38,7 @@ class TuningSettings:
         budget: flights, re-flights included.
         seed: of the tuner's chance and of the flights' noise.
         confirm: fresh re-flights that a candidate must pass.
-        validation: flights with fresh noise of a confirmed candidate, not counted in the budget; 0 for none.
+        validation: flights of a confirmed candidate with noise that the search has not met, outside the budget; 0 for none.
         reliability: least share of them that must meet the goal, or the search goes on; 0 takes any candidate that is confirmed.
         batch: most candidates that a tuner is asked for at once.
         samples: flights of each candidate in the search, all of which must meet the goal; 0: one, or `SAMPLES` where vehicles differ.
@@ -89,42 +90,14 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """Parameters and what their flights so far were worth.
-
-    Attributes:
-        parameters: shape (S, K).
-        cost: mean over its flights; infinite where one of them has none.
-        completion: mean over its flights.
-        lap_time: [s] mean over its complete flights; NaN without any.
-        flights: how many, re-flights included.
-        confirmed: whether it met the goal in all re-flights, and held where that was asked for.
-        held: share of its validation that succeeded, if it was confirmed and did not hold; else 0.
-    """
-
-    parameters: Parameters
-    cost: float
-    completion: float
-    lap_time: float
-    flights: int
-    confirmed: bool
-    held: float = 0.0
-
-    @property
-    def rank(self) -> tuple[bool, float, float, float]:
-        """Larger is better: confirmed, then what held most often, then completion, then cost."""
-        return self.confirmed, self.held, self.completion, -self.cost
-
-
-@dataclass(frozen=True)
 class Batch:
-    """One turn of the loop.
+    """One pass of the loop: some candidates flown, confirmed, validated and reported to the tuner.
 
     Attributes:
-        ledger: what was flown in it.
+        ledger: the flights of this pass.
         best: the best candidate of the run so far.
         validation: of the best candidate; None before it was flown.
-        fallen: validations of candidates that were confirmed in this turn and did not hold.
+        failed_validations: of candidates that passed their re-flights in this pass and succeeded in too few validation flights.
         flights: of the run so far, re-flights included.
         search_flights: of the run so far without re-flights, up to the confirmed candidate: the paper's count.
         done: whether the run has ended.
@@ -134,7 +107,7 @@ class Batch:
     ledger: Ledger
     best: Candidate
     validation: Validation | None
-    fallen: tuple[Validation, ...]
+    failed_validations: tuple[Validation, ...]
     flights: int
     search_flights: int
     done: bool
@@ -194,7 +167,7 @@ class Tuning:
 
     @property
     def validation_flights(self) -> int:
-        """Flown so far to validate: the result, and candidates that did not hold."""
+        """Flown so far to validate the result, and candidates before it whose validation failed."""
         return self._flown[Stream.VALIDATION]
 
     @property
@@ -209,10 +182,11 @@ class Tuning:
         return self.best is not None and (self.best.confirmed or left < self.settings.flights_each)
 
     def batch(self) -> Generator[Request, Scores, Batch]:
-        """One turn: yields what it wants flown, is sent the scores, returns what came of it.
+        """One pass of the loop: yields the flights that it wants, is sent their scores, returns the batch.
 
-        Flights that meet the goal are flown again one by one, in order, until one fails; the tuner is told the mean cost and misses over
-        all flights of a candidate, and otherwise the flight that failed. When the budget is spent, the last turn validates the best.
+        Candidates that meet the goal are confirmed in the order asked for, until one passes. The score reported to the tuner has the
+        mean costs and gate misses over all flights of a candidate; everything else is that of the flight that failed. When the budget is
+        spent, the last pass validates the best candidate.
         """
         if self._searched and self.best is not None:
             self.validation, ledger, _ = yield from self._validate(self.best.parameters)
@@ -221,28 +195,28 @@ class Tuning:
         parameters = self.tuner.ask(max(1, min(self.settings.batch, (self.settings.budget - self.flights) // each)))
         ledger, scores = yield from self._fly(Stream.SEARCH, np.repeat(parameters, each, axis=0))
         ledgers, flown = [ledger], [scores.rows(slice(i, i + each)) for i in range(0, len(scores), each)]
-        before, confirmed, validation, fallen = self.search_flights, None, None, {}
+        before, confirmed, validation, failed = self.search_flights, None, None, {}
         self.search_flights += len(scores)
         for i in np.flatnonzero(self.settings.goal.met(scores).reshape(-1, each).all(axis=1)).tolist():
             flown[i], again = yield from self._confirm(parameters[i], flown[i])
             ledgers += again
-            if not self._confirmed(flown[i]):
+            if not self._is_confirmed(flown[i]):
                 continue
             if self.settings.validation:
                 validation, ledger, repeats = yield from self._validate(parameters[i])
                 ledgers.append(ledger)
                 if validation.rate < self.settings.reliability:
                     flown[i] = Scores.join([flown[i], repeats])
-                    fallen[i] = validation
+                    failed[i] = validation
                     continue
             confirmed, self.search_flights = i, before + (i + 1) * each
             break
-        told = Scores.join([_told(scores, self.settings.goal) for scores in flown])
-        ledgers[0] = ledgers[0].accept(np.repeat(self.tuner.tell(parameters, told), each))
-        held = {i: validation.rate for i, validation in fallen.items()}
-        candidates = [_candidate(parameters[i], scores, confirmed == i, held.get(i, 0.0)) for i, scores in enumerate(flown)]
+        reported = Scores.join([reported_scores(scores, self.settings.goal) for scores in flown])
+        ledgers[0] = ledgers[0].accept(np.repeat(self.tuner.tell(parameters, reported), each))
+        rates = {i: validation.rate for i, validation in failed.items()}
+        candidates = [summarise(parameters[i], scores, confirmed == i, rates.get(i, 0.0)) for i, scores in enumerate(flown)]
         self._choose(candidates, validation)
-        return self._report(Ledger.join(ledgers), tuple(fallen.values()))
+        return self._report(Ledger.join(ledgers), tuple(failed.values()))
 
     def _choose(self, candidates: Sequence[Candidate], validation: Validation | None) -> None:
         """Keep the best candidate, with its validation if it has been confirmed."""
@@ -251,29 +225,43 @@ class Tuning:
         if best is not self.best:
             self.best, self.validation = best, validation if best.confirmed else None
 
-    def _report(self, ledger: Ledger, fallen: tuple[Validation, ...]) -> Batch:
-        """What came of a turn."""
-        assert self.best is not None, "a turn has flown"  # noqa: S101  our own mistake
+    def _report(self, ledger: Ledger, failed_validations: tuple[Validation, ...]) -> Batch:
+        """The batch of a pass that has flown."""
+        assert self.best is not None, "a pass has flown"  # noqa: S101  our own mistake
         counts = self.flights, self.search_flights
-        return Batch(ledger, self.best, self.validation, fallen, *counts, self.done, self._state())
+        return Batch(ledger, self.best, self.validation, failed_validations, *counts, self.done, self._state())
 
     def _fly(self, stream: Stream, parameters: Parameters) -> Generator[Request, Scores, tuple[Ledger, Scores]]:
         """Fly with the next seeds of a stream."""
-        count = len(parameters)
-        number = self.validation_flights if stream is Stream.VALIDATION else self.flights
-        seeds = flight_seeds(self.settings.seed, stream, self._flown[stream], count)
+        seeds = self._next_seeds(stream, len(parameters))
         scores = yield Request(parameters, seeds)
-        self._flown[stream] += count
-        return enter(number, stream, parameters, seeds, scores), scores
+        return self._enter(stream, parameters, seeds, scores), scores
+
+    def _next_seeds(self, stream: Stream, count: int) -> NDArray[np.int64]:
+        """Seeds of the next flights of a stream, shape (count,)."""
+        return flight_seeds(self.settings.seed, stream, self._flown[stream], count)
+
+    def _enter(self, stream: Stream, parameters: Parameters, seeds: NDArray[np.int64], scores: Scores) -> Ledger:
+        """Count flights, and write them down."""
+        number = self.validation_flights if stream is Stream.VALIDATION else self.flights
+        self._flown[stream] += len(seeds)
+        return enter(number, stream, parameters, seeds, scores)
 
     def _confirm(self, parameters: Parameters, flown: Scores) -> Generator[Request, Scores, tuple[Scores, list[Ledger]]]:
-        """Fly a candidate, shape (S, K), again until it fails, is confirmed or the budget ends; returns all its flights."""
-        ledgers = []
-        while not self._confirmed(flown) and self.settings.goal.met(flown).all() and self.flights < self.settings.budget:
-            ledger, scores = yield from self._fly(Stream.CONFIRMATION, parameters[None])
-            ledgers.append(ledger)
-            flown = Scores.join([flown, scores])
-        return flown, ledgers
+        """Fly a candidate, shape (S, K), again, as often as its confirmation and the budget ask for; returns all its flights.
+
+        The re-flights are flown together, to fill the lanes, and count as if flown one by one until the first that fails: those after
+        it are discarded, and their seeds are used again.
+        """
+        count = min(self.settings.confirm, self.settings.budget - self.flights)
+        if count <= 0:
+            return flown, []
+        repeated, seeds = np.repeat(parameters[None], count, axis=0), self._next_seeds(Stream.CONFIRMATION, count)
+        scores = yield Request(repeated, seeds)
+        failures = np.flatnonzero(~self.settings.goal.met(scores))
+        counted = slice(int(failures[0]) + 1 if len(failures) else count)
+        ledger = self._enter(Stream.CONFIRMATION, repeated[counted], seeds[counted], scores.rows(counted))
+        return Scores.join([flown, scores.rows(counted)]), [ledger]
 
     def _validate(self, parameters: Parameters) -> Generator[Request, Scores, tuple[Validation, Ledger, Scores]]:
         """Fly a candidate, shape (S, K), with noise that the search never met."""
@@ -281,13 +269,13 @@ class Tuning:
         ledger, scores = yield from self._fly(Stream.VALIDATION, repeated)
         return Validation(len(scores), int(self.settings.goal.succeeded(scores).sum())), ledger, scores
 
-    def _confirmed(self, flown: Scores) -> bool:
+    def _is_confirmed(self, flown: Scores) -> bool:
         """Whether a candidate's flight and all its re-flights met the goal."""
         return len(flown) == self.settings.flights_each + self.settings.confirm and bool(self.settings.goal.met(flown).all())
 
     def _state(self) -> dict[str, Any]:
         """Counts, the best candidate and the tuner, as plain JSON."""
-        best = None if self.best is None else _write_candidate(self.best)
+        best = None if self.best is None else self.best.dump()
         flown = {stream.name: count for stream, count in self._flown.items()}
         validation = None if self.validation is None else asdict(self.validation)
         counts = {"flown": flown, "search_flights": self.search_flights}
@@ -297,7 +285,7 @@ class Tuning:
         """The inverse of `_state`."""
         self._flown = {Stream[name]: count for name, count in state["flown"].items()}
         self.search_flights = state["search_flights"]
-        self.best = None if state["best"] is None else _read_candidate(state["best"])
+        self.best = None if state["best"] is None else Candidate.load(state["best"])
         self.validation = None if state["validation"] is None else Validation(**state["validation"])
         self.tuner.restore(state["tuner"])
 
@@ -325,14 +313,14 @@ def tune_together(objective: Objective, tunings: Sequence[Tuning]) -> Iterator[t
     """
     waiting = {i: _begin(tuning) for i, tuning in enumerate(tunings) if not tuning.done}
     while waiting:
-        turns = list(waiting.items())
-        parameters = np.concatenate([request.parameters for _, (_, request) in turns])
-        scores = objective.fly(parameters, np.concatenate([request.seeds for _, (_, request) in turns]))
+        batches = list(waiting.items())
+        parameters = np.concatenate([request.parameters for _, (_, request) in batches])
+        scores = objective.fly(parameters, np.concatenate([request.seeds for _, (_, request) in batches]))
         start = 0
-        for i, (turn, request) in turns:
+        for i, (batch, request) in batches:
             end = start + len(request.seeds)
             try:
-                waiting[i] = turn, turn.send(scores.rows(slice(start, end)))
+                waiting[i] = batch, batch.send(scores.rows(slice(start, end)))
             except StopIteration as finished:
                 del waiting[i]
                 yield i, finished.value
@@ -342,45 +330,6 @@ def tune_together(objective: Objective, tunings: Sequence[Tuning]) -> Iterator[t
 
 
 def _begin(tuning: Tuning) -> tuple[Generator[Request, Scores, Batch], Request]:
-    """A turn, and the first that it wants flown."""
-    turn = tuning.batch()
-    return turn, next(turn)
-
-
-def _told(flown: Scores, goal: Goal) -> Scores:
-    """What the tuner hears of a candidate: the last flight that failed, or else the last, with the mean costs and misses of all of them."""
-    failed = np.flatnonzero(~goal.met(flown))
-    heard = int(failed[-1]) if len(failed) else len(flown) - 1
-    means = {name: np.mean(getattr(flown, name), axis=0, keepdims=True) for name in ("cost", "dense")}
-    reached = np.isfinite(flown.gate_miss)
-    total = np.where(reached, flown.gate_miss, 0.0).sum(axis=0, keepdims=True)
-    with np.errstate(invalid="ignore"):
-        misses = total / reached.sum(axis=0)  # NaN where no flight got to a gate
-    return replace(flown.rows(slice(heard, heard + 1)), gate_miss=misses, **means)
-
-
-def _candidate(parameters: Parameters, flown: Scores, confirmed: bool, held: float) -> Candidate:
-    """Means over the flights of some parameters, shape (S, K)."""
-    laps, cost = flown.lap_time[np.isfinite(flown.lap_time)], float(flown.cost.mean())
-    return Candidate(
-        parameters=parameters,
-        cost=cost if np.isfinite(cost) else float("inf"),
-        completion=float(flown.completion.mean()),
-        lap_time=float(laps.mean()) if len(laps) else float("nan"),
-        flights=len(flown),
-        confirmed=confirmed,
-        held=held,
-    )
-
-
-def _write_candidate(candidate: Candidate) -> dict[str, Any]:
-    """As plain JSON, which has no NaN and no infinity."""
-    plain = {name: value if np.isfinite(value) else None for name, value in vars(candidate).items() if name != "parameters"}
-    return {"parameters": candidate.parameters.tolist(), **plain}
-
-
-def _read_candidate(plain: dict[str, Any]) -> Candidate:
-    """The inverse; what was not finite has become the worst."""
-    worst = {"cost": float("inf"), "lap_time": float("nan")}
-    known = {name: worst.get(name) if value is None else value for name, value in plain.items()}
-    return Candidate(**{**known, "parameters": np.array(plain["parameters"])})
+    """A pass of a run, and the first flights that it wants."""
+    batch = tuning.batch()
+    return batch, next(batch)

@@ -1,4 +1,4 @@
-"""Film: the flight of a study as a moving picture, beside what it was before.
+"""Film: the flight with the tuned parameters as a film, beside the flight before tuning.
 
-study -> flights (flights, frame by frame) -> frames (matplotlib) -> recording (.gif, .mp4)
+study -> flight_frames (states at the times of the frames) -> frames (matplotlib) -> recording (.gif, .mp4)
 """

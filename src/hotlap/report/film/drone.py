@@ -1,20 +1,16 @@
-"""Craft: the lines of a drone in space."""
+"""The lines that draw a drone in space: arms and rotors where the vehicle has them."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.race.quadrotor import RotorLayout
+from hotlap.race.quadrotor import RotorLayout, rotor_positions
 
 Floats = NDArray[np.float64]
 
 _ANGLES = np.linspace(0, 2 * np.pi, 17)
 _DISC = 0.62 * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), np.zeros(17)], axis=1)  # a rotor, of an arm of 1
-_HUBS = {
-    RotorLayout.X: np.array([[1, 1, 0], [1, -1, 0], [-1, -1, 0], [-1, 1, 0]]) / np.sqrt(2),
-    RotorLayout.PLUS: np.array([[1.0, 0, 0], [0, -1, 0], [-1, 0, 0], [0, 1, 0]]),
-}
 
 
 def turn(attitude: Floats, vectors: Floats) -> Floats:
@@ -38,6 +34,6 @@ def draw_drone(position: Floats, attitude: Floats, size: float, layout: RotorLay
         size: [m] of an arm, as large as it should be seen.
         layout: where the rotors sit.
     """
-    hubs = _HUBS[layout]
+    hubs = np.pad(rotor_positions(layout, 1.0), ((0, 0), (0, 1)))  # in the plane of the arms
     arms = [hubs[[0, 2]], hubs[[1, 3]]]
     return [position + size * turn(attitude, line) for line in (*arms, *(_DISC + hub for hub in hubs))]

@@ -1,4 +1,4 @@
-"""Film of a study: the tuned flight, and beside it the one that the search began with."""
+"""Film of a study: the flight with the best parameters, beside the flight with the default or the first guess."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 from hotlap.core.seeds import Stream, flight_seeds
-from hotlap.report.demonstration import BEST, DEFAULT, FIRST, choose
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.frames import Titles, draw_frames
 from hotlap.report.film.recording import RATES, Pixels, record
+from hotlap.report.page.replay import BEST, DEFAULT, FIRST, choose
 from hotlap.report.scene import stage
 from hotlap.study.snapshot import Snapshot, begins_at_default
 from hotlap.worlds.world import World
@@ -26,7 +26,7 @@ NAMES = {DEFAULT: "before: default weights", FIRST: "before: first guess"}
 
 @contextmanager
 def silent(*_: object) -> Iterator[Callable[[str], None]]:
-    """Progress that nobody looks at."""
+    """Progress that is not shown."""
     yield lambda _: None
 
 
@@ -63,19 +63,19 @@ def write_film(path: Path, snapshot: Snapshot, world: World, progress: Progress 
 
 
 def _watched(frames: Iterable[Pixels], say: Callable[[str], None]) -> Iterator[Pixels]:
-    """The same frames, each of which is counted."""
+    """The same frames; each is reported to the progress."""
     for frame in frames:
         yield frame
         say("drawing")
 
 
 def pace_of(duration: float) -> float:
-    """How many times faster than real a flight is shown, so that it does not last too long."""
+    """How many times faster than real time a flight is shown, so that the film lasts at most `LONGEST` seconds."""
     return next((pace for pace in PACES if duration / pace <= LONGEST), math.ceil(duration / LONGEST))
 
 
 def _label(label: str, snapshot: Snapshot) -> str:
-    """What a panel shows."""
+    """The title of a panel."""
     result = snapshot.result
     if label == FIRST and begins_at_default(snapshot.configuration):
         label = DEFAULT

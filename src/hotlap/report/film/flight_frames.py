@@ -1,4 +1,4 @@
-"""Takes: flights frame by frame, as plain arrays; a drone that missed a gate is followed until it has crashed."""
+"""Flight frames: states of flights at the times of the frames; a drone that missed a gate is followed until it crashes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hotlap.core.records import Flights
 from hotlap.race.quadrotor import RotorLayout
 from hotlap.reference.scenario import Scenario
-from hotlap.report.demonstration import ParameterSet
+from hotlap.report.page.replay import ParameterSet
 from hotlap.report.scene import trace
 from hotlap.worlds.world import World
 
@@ -21,10 +21,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FlightFrames:
-    """One flight; after its last frame it stays where it was.
+    """The states of one flight, one row for each frame.
 
     Attributes:
-        label: what is flown.
+        label: of the parameters.
         layout: where the drone's rotors sit.
         position: shape (n, 3) [m] (world), one row a frame.
         attitude: shape (n, 4) (w, x, y, z), body to world.
@@ -46,16 +46,16 @@ class FlightFrames:
     ending: str
 
     def __len__(self) -> int:
-        """n, frames of it."""
+        """n, the number of frames."""
         return len(self.position)
 
 
 def film_flights(scenario: Scenario, world: World, sets: Sequence[ParameterSet], seed: int, interval: float) -> tuple[FlightFrames, ...]:
-    """Fly each of some parameters once, through the same noise.
+    """Fly each set of parameters once with the same noise.
 
     Args:
-        scenario: what is flown.
-        world: where.
+        scenario: that is flown.
+        world: where its flights happen.
         sets: at least one.
         seed: of the noise.
         interval: [s] of the flight between frames.
@@ -68,7 +68,7 @@ def film_flights(scenario: Scenario, world: World, sets: Sequence[ParameterSet],
 
 
 def cut(scenario: Scenario, flights: Flights, index: int, label: str, interval: float) -> FlightFrames:
-    """One flight out of a batch, at the times of the frames."""
+    """One flight of a batch at the times of the frames."""
     log, flight = flights.logs[index], trace(scenario, flights, index, label)
     known = np.isfinite(log.states[:, :10]).all(axis=1)
     times, states = log.times[known], log.states[known, :10]

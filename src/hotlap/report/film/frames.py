@@ -1,4 +1,4 @@
-"""Frames: flights drawn beside each other, one picture after the other."""
+"""Frames: the pictures of a film, flights drawn beside each other."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from hotlap.report.film.camera import Camera, aim, rings
 from hotlap.report.film.drone import draw_drone
 from hotlap.report.film.flight_frames import FlightFrames
+from hotlap.report.projection import Camera, aim, gate_rings, ground_grid, ground_level, picture_box, shadow
 from hotlap.report.scene import Scene
 from hotlap.report.style import SPEED_MAP, own_settings, place_axes
 
@@ -29,17 +29,16 @@ FAILURE, DONE, GATE, PASSED = "#ff6159", "#7ddc8b", "#4a5868", "#eef2f6"
 WIDTH, TOP, BOTTOM, EDGE = 4.5, 0.95, 0.5, 0.15  # inches of a panel, and around it
 SHORTEST, TALLEST = 2.2, 4.2  # inches of a panel's height
 DPI = 100
-CRAFT = 0.028  # of the width of what is seen: an arm, several times too large, to be seen at all
-GRID = 9  # lines of the ground
+DRONE = 0.028  # of the width of what is seen: an arm, several times too large, to be seen at all
 
 
 @dataclass(frozen=True)
 class Titles:
-    """What is written.
+    """The texts of a film.
 
     Attributes:
-        title: above all.
-        pace: how fast the film runs.
+        title: of the film.
+        pace: how fast the film runs, in words.
         labels: above each panel.
     """
 
@@ -54,7 +53,7 @@ def draw_frames(scene: Scene, flights: Sequence[FlightFrames], titles: Titles, i
     Args:
         scene: scenario and gates.
         flights: beside each other, one panel each.
-        titles: what is written.
+        titles: the texts of the film.
         interval: [s] of the flight between frames.
     """
     with own_settings():
@@ -64,11 +63,11 @@ def draw_frames(scene: Scene, flights: Sequence[FlightFrames], titles: Titles, i
 
 
 class _Film:
-    """The figure that all frames are drawn in: what stands still once, what moves each time."""
+    """The figure of all frames: parts that do not move are drawn once, the others in each frame."""
 
     def __init__(self, scene: Scene, flights: Sequence[FlightFrames], titles: Titles) -> None:
         camera = aim(scene.path)
-        low, high = _limits(scene, camera)
+        low, high = picture_box(scene, camera)
         extent = high - low
         height = float(np.clip(WIDTH * extent[1] / extent[0], SHORTEST, TALLEST))
         size = np.array([len(flights) * (WIDTH + EDGE) + EDGE, TOP + height + BOTTOM])
@@ -92,7 +91,7 @@ class _Film:
         self._still = self._canvas.copy_from_bbox(self._figure.bbox)
 
     def frame(self, k: int, time: float) -> NDArray[np.uint8]:
-        """One of them."""
+        """Draw the k-th frame, at a time of the flight [s]."""
         for panel in self._panels:
             panel.move(k)
         self._clock.set_text(f"{time:5.2f} s{self._pace}")
@@ -104,12 +103,12 @@ class _Film:
 
 
 class _Panel:
-    """One flight."""
+    """The part of the figure with one flight."""
 
     def __init__(self, axes: Axes, scene: Scene, camera: Camera, flight: FlightFrames, label: str, norm: Normalize) -> None:
         self._camera, self._flight, self._total = camera, flight, len(scene.gates)
-        self._ground, self._size = _ground(scene), CRAFT * abs(float(np.subtract(*axes.get_xlim())))
-        self._path, self._gates = camera.project(flight.position), _gates(scene, camera)
+        self._ground, self._size = ground_level(scene), DRONE * abs(float(np.subtract(*axes.get_xlim())))
+        self._path, self._gates = camera.project(flight.position), camera.project(gate_rings(scene))
         _draw_still(axes, scene, camera, self._gates)
         above: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": 10.5}
         axes.annotate(label, (0, 1), xytext=(0, 22), color=LIGHT, **above)
@@ -124,7 +123,7 @@ class _Panel:
         self.movers: list[Artist] = [self._plumb, self._lost, self._lit, self._trail, self._drone, self._cross, self._count]
 
     def move(self, k: int) -> None:
-        """To the k-th frame."""
+        """Move everything to the k-th frame."""
         flight, k = self._flight, min(k, len(self._flight) - 1)
         good, over = min(k, flight.judged) if flight.failed else k, k >= flight.judged
         self._trail.set_segments(_pairs(self._path[: good + 1]))
@@ -155,46 +154,14 @@ def _panel(figure: Figure, left: float, height: float, low: Floats, high: Floats
 
 def _draw_still(axes: Axes, scene: Scene, camera: Camera, gates: Floats) -> None:
     """The ground, the plan with its shadow, and the gates."""
-    axes.add_collection(LineCollection(list(camera.project(_grid(scene))), colors=FAINT, linewidths=0.6, zorder=0), autolim=False)
-    shadow = np.column_stack([scene.path[:, :2], np.full(len(scene.path), _ground(scene))])
-    axes.plot(*camera.project(shadow).T, color="#1b242f", linewidth=2.0, zorder=1)
+    axes.add_collection(LineCollection(list(camera.project(ground_grid(scene))), colors=FAINT, linewidths=0.6, zorder=0), autolim=False)
+    axes.plot(*camera.project(shadow(scene)).T, color="#1b242f", linewidth=2.0, zorder=1)
     axes.plot(*camera.project(scene.path).T, color="#3b4856", linewidth=0.9, zorder=2)
     axes.add_collection(LineCollection(list(gates), colors=GATE, linewidths=1.1, zorder=2.5), autolim=False)
 
 
-def _gates(scene: Scene, camera: Camera) -> Floats:
-    """Gates as rings across the plan, in the picture, shape (M, points, 2)."""
-    reference = scene.reference
-    rows = np.clip(np.round(reference.gate_times / reference.period).astype(int), 0, len(reference.velocity) - 1)
-    return camera.project(rings(scene.gates, reference.velocity[rows], scene.distance))
-
-
-def _ground(scene: Scene) -> float:
-    """[m] height of what is drawn as ground: below all of the plan."""
-    return float(min(scene.path[:, 2].min(), scene.gates[:, 2].min()) - 1.5 * scene.distance)
-
-
-def _grid(scene: Scene) -> Floats:
-    """Lines of the ground, shape (n, 2, 3) [m] (world)."""
-    low, high = scene.path[:, :2].min(axis=0), scene.path[:, :2].max(axis=0)
-    middle, half = (low + high) / 2, (high - low).max() / 2 * 1.25
-    level, steps = _ground(scene), np.linspace(-half, half, GRID)
-    across = [[[middle[0] + s, middle[1] - half, level], [middle[0] + s, middle[1] + half, level]] for s in steps]
-    along = [[[middle[0] - half, middle[1] + s, level], [middle[0] + half, middle[1] + s, level]] for s in steps]
-    return np.array(across + along)
-
-
-def _limits(scene: Scene, camera: Camera) -> tuple[Floats, Floats]:
-    """The box of plan and gates in the picture, with a margin to stray into, each shape (2,) [m]."""
-    shadow = np.column_stack([scene.path[:, :2], np.full(len(scene.path), _ground(scene))])
-    points = camera.project(np.vstack([scene.path, scene.gates, shadow]))
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.06 * float((high - low).max()) + scene.distance
-    return low - margin, high + margin
-
-
 def _add(axes: Axes, lines: LineCollection) -> LineCollection:
-    """Lines that are drawn, and leave the limits as they are."""
+    """Add lines without a change of the limits."""
     axes.add_collection(lines, autolim=False)
     return lines
 

@@ -1,4 +1,4 @@
-"""Recording: frames as a file: GIF through Pillow, MP4 through ffmpeg."""
+"""Recording: frames to a file: GIF by Pillow, MP4 by ffmpeg."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ RATES = {".gif": 20, ".mp4": 30}  # frames a second
 
 
 def check_recorder(path: Path) -> None:
-    """Refuse a film that could not be written, before anything flights its time.
+    """Refuse a film that could not be written, before any time is spent on its flights.
 
     Raises:
         InputError: there is no ffmpeg for an MP4.
@@ -104,7 +104,7 @@ def _write_mp4(path: Path, frames: Iterable[Pixels], rate: int) -> None:
 
 
 def _feed(process: subprocess.Popen[bytes], frames: Iterable[Pixels]) -> tuple[bytes, bytes]:
-    """Hand frames to ffmpeg until it has all of them or gives up."""
+    """Send frames to ffmpeg until it has all of them or stops."""
     assert process.stdin is not None, "it was asked for"  # noqa: S101  our own mistake
     try:
         for frame in frames:

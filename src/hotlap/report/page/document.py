@@ -1,24 +1,34 @@
-"""Document: a study as plain JSON, in the form that the page reads (format 1)."""
+"""Document: everything that the page shows of a study, as plain JSON (format 1); `page/src/data.ts` declares the same keys."""
 
 from __future__ import annotations
 
-import re
+import base64
+import json
+import math
 from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.seeds import Stream
-from hotlap.core.success_rate import Validation
+from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.files import toml_writer
 from hotlap.files.descriptions import PARAMETERS_FILE
 from hotlap.planning.feasibility import mistaken
+from hotlap.race.quadrotor import rotor_positions
+from hotlap.race.race import GateRule
+from hotlap.reference.scenario import Scenario
+from hotlap.report.effort import Effort
 from hotlap.report.history import collect, succeeded
-from hotlap.report.page.encoding import number, pack
-from hotlap.report.page.flown import describe_repeats, describe_scenario, describe_trace
-from hotlap.report.page.replay import Replay
-from hotlap.study.snapshot import Snapshot, begins_at_default
+from hotlap.report.page.replay import BEST, DEFAULT, FIRST, Replay
+from hotlap.report.scene import Repeats, Trace
+from hotlap.study.snapshot import Snapshot
 
 FORMAT = 1
-MOST_SAMPLES, MOST_VALUES = 2000, 150_000  # rows, and numbers in them
+MOST_SAMPLES, MOST_VALUES = 2000, 150_000  # search flights whose parameters are sent, and numbers in them
+MOST_ROWS = 2500  # of a time series: more than a screen has pixels
+IDS = {BEST: "best", FIRST: "first", DEFAULT: "default"}  # of the sets of parameters in the page
 SYMBOLS = {  # letters of the paper, where it has them
     "Q_pos_xy": "Q_xy",
     "Q_pos_z": "Q_z",
@@ -29,34 +39,34 @@ SYMBOLS = {  # letters of the paper, where it has them
 STREAMS = (Stream.SEARCH, Stream.CONFIRMATION, Stream.VALIDATION)
 
 
-def describe(snapshot: Snapshot, replay: Replay | None, *, live: bool = False) -> dict[str, Any]:
-    """Everything that the page shows.
+def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False) -> dict[str, Any]:
+    """The whole document.
 
     Args:
         snapshot: of the study.
-        replay: what was flown again; None: nothing yet.
-        live: whether the page is to ask for more.
+        replay: the flights of the page; None: nothing was flown again yet.
+        live: whether the page asks a server for news.
     """
-    traces = [] if replay is None else [describe_trace(*both) for both in zip(replay.scene.traces, replay.efforts, strict=True)]
+    traces = [] if replay is None else [dump_trace(*both) for both in zip(replay.scene.traces, replay.efforts, strict=True)]
     return {
         "format": FORMAT,
         "kind": "study",
         "live": live,
         "headline": _headline(snapshot),
-        "scenario": describe_scenario(snapshot.configuration.scenario),
+        "scenario": dump_scenario(snapshot.configuration.scenario),
         "traces": traces,
-        "repeats": [] if replay is None else [describe_repeats(repeats) for repeats in replay.scene.repeats],
+        "repeats": [] if replay is None else [dump_repeats(repeats) for repeats in replay.scene.repeats],
         "flights": _flights(snapshot),
         "parameters": _parameters(snapshot),
         "samples": _samples(snapshot),
         "sensitivity": _sensitivity(replay),
-        "hold": [] if replay is None else [_hold(hold) for hold in replay.holds],
+        "robustness": [] if replay is None else [_robustness(change) for change in replay.robustness],
         "configuration": _configuration(snapshot),
     }
 
 
 def _headline(snapshot: Snapshot) -> dict[str, Any]:
-    """The answer to: did it work?"""
+    """The result in short: race, goal, lap time, gates passed, success rate."""
     asked, result = snapshot.configuration, snapshot.result
     race, settings = asked.scenario.race, asked.settings
     known = race.control_model.delay if race.controller.predict else 0.0
@@ -69,7 +79,7 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "tuner": asked.tuner,
         "goal": str(settings.goal),
         "seed": settings.seed,
-        "first_guess": first_guess_of(snapshot),
+        "first_guess": asked.first_guess_name,
         "state": "finished" if snapshot.finished else "running",
         "flights": 0 if result is None else result.flights,
         "search_flights": 0 if result is None else result.search_flights,
@@ -85,25 +95,17 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
     }
 
 
-def first_guess_of(snapshot: Snapshot) -> str:
-    """What the search began with, in a word."""
-    if begins_at_default(snapshot.configuration):
-        return "default"
-    given = re.search(r" --first-guess[ =](\S+)", snapshot.command)
-    return given[1] if given else "learned"
-
-
 def _validation(validation: Validation) -> dict[str, Any]:
     low, high = validation.interval
     return {"flights": validation.flights, "successes": validation.successes, "rate": validation.rate, "low": low, "high": high}
 
 
-def _hold(hold: Robustness) -> dict[str, Any]:
-    return {"change": hold.change, **_validation(hold.validation)}
+def _robustness(robustness: Robustness) -> dict[str, Any]:
+    return {"change": robustness.change, **_validation(robustness.validation)}
 
 
 def _flights(snapshot: Snapshot) -> dict[str, Any]:
-    """Every flight, in the order of the ledger."""
+    """Score of every flight, in the order of the ledger."""
     ledger, settings = snapshot.ledger, snapshot.configuration.settings
     return {
         "number": pack(ledger.numbers + 1),
@@ -120,7 +122,7 @@ def _flights(snapshot: Snapshot) -> dict[str, Any]:
 
 
 def _parameters(snapshot: Snapshot) -> dict[str, Any]:
-    """What was tuned, from where to where."""
+    """The tunable parameters: names, bounds, default, first guess and best."""
     scenario, first = snapshot.configuration.scenario, snapshot.configuration.first_guess
     space, unit = scenario.space, scenario.race.controller.horizon_unit
     return {
@@ -149,7 +151,7 @@ def _samples(snapshot: Snapshot) -> dict[str, Any]:
 
 
 def _sensitivity(replay: Replay | None) -> dict[str, Any] | None:
-    """How much each parameter matters."""
+    """How the completion changes when one parameter is multiplied by a factor."""
     if replay is None or replay.sensitivity is None:
         return None
     found = replay.sensitivity
@@ -158,7 +160,7 @@ def _sensitivity(replay: Replay | None) -> dict[str, Any] | None:
 
 
 def _configuration(snapshot: Snapshot) -> dict[str, Any]:
-    """What it takes to do the same again."""
+    """What is needed to repeat the study: command, seed, versions, settings."""
     asked = snapshot.configuration
     plain, race = asked.dump(), asked.scenario.race
     tuner = {f"tuner.{key}": value for key, value in plain["tuner"].items()}
@@ -173,3 +175,116 @@ def _configuration(snapshot: Snapshot) -> dict[str, Any]:
         "world": asked.world,
         "files": {"study": str(snapshot.folder), "parameters": str(snapshot.folder / PARAMETERS_FILE)},
     }
+
+
+def dump_scenario(scenario: Scenario) -> dict[str, Any]:
+    """Gates, segments, reference, limits of the inputs, and rotor positions."""
+    race, segments = scenario.race, scenario.segments
+    pieces = [{"class": str(piece.kind), "start": piece.start, "end": piece.end, "segment": piece.segment} for piece in segments.pieces]
+    vehicle, settings = race.vehicle, race.controller
+    return {
+        "duration": float(scenario.reference.duration),
+        "lap_time": scenario.reference.lap_time,
+        "gate_distance": race.judge.distance,
+        "rule": "clock" if race.judge.rule is GateRule.CLOCK else "approach",
+        "floor": race.track.floor,
+        "gates": pack(race.track.gate_positions),
+        "gate_times": pack(scenario.reference.gate_times),
+        "gate_segments": scenario.gate_segments.tolist(),
+        "pieces": pieces,
+        "segment_names": [f"{i + 1} {kind}" for i, kind in enumerate(segments.segment_classes)],
+        "reference": _reference(scenario),
+        "limits": {"thrust": list(settings.thrust), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
+        "rotors": rotor_positions(vehicle.layout, vehicle.arm).tolist(),
+    }
+
+
+def _reference(scenario: Scenario) -> dict[str, Any]:
+    """The planned states and inputs, without the rows after the end of the plan."""
+    reference, planned = scenario.reference, scenario.reference.planned_rows
+    rows = slice(0, planned, thin(planned).step)
+    arrays = {name: getattr(reference, name)[rows] for name in ("position", "attitude", "thrust", "rates")}
+    speed = np.linalg.norm(reference.velocity[rows], axis=1)
+    return {name: pack(values) for name, values in {"time": reference.times[rows], "speed": speed, **arrays}.items()}
+
+
+def dump_trace(trace: Trace, efforts: tuple[Effort, Effort]) -> dict[str, Any]:
+    """One flight in full: time series up to its end, distances from the gates, and its effort beside that of the reference."""
+    rows = thin(len(trace.times))
+    series = {
+        "time": trace.times,
+        "position": trace.position,
+        "attitude": trace.attitude,
+        "speed": trace.speed,
+        "error": trace.error,
+        "rates": trace.rates,
+        "rotor_thrusts": trace.rotor_thrusts,
+        "command_thrust": trace.commands[:, 0],
+        "command_rates": trace.commands[:, 1:],
+    }
+    own, reference = map(_effort, efforts)
+    return {
+        "id": IDS.get(trace.label, trace.label),
+        "label": trace.label,
+        "ending": trace.ending,
+        "failed": trace.failed,
+        "seed": trace.seed,
+        "lap_time": number(trace.lap_time),
+        "end_time": number(trace.end_time),
+        "end_position": numbers(trace.end_position),
+        **{name: pack(values[rows]) for name, values in series.items()},
+        "gate_distance": pack(trace.gate_distance),
+        "seen_times": pack(trace.seen_times),
+        "effort": {**own, "reference": reference},
+    }
+
+
+def _effort(effort: Effort) -> dict[str, Any]:
+    return {
+        "thrust_activity": effort.thrust_activity,
+        "rate_activity": effort.rate_activity,
+        "saturated": effort.saturated,
+        "oscillation": {"frequency": effort.frequency or None, "share": effort.share},
+    }
+
+
+def dump_repeats(repeats: Repeats) -> dict[str, Any]:
+    """Success rate of flights with the same parameters, and where and how the others failed."""
+    low, high = wilson_interval(repeats.complete, repeats.flights)
+    return {
+        "id": IDS.get(repeats.label, repeats.label),
+        "label": repeats.label,
+        "flights": repeats.flights,
+        "complete": repeats.complete,
+        "low": low,
+        "high": high,
+        "failures": pack(repeats.failures.reshape(-1, 3)),
+        "failed_gates": repeats.failed_gates.tolist(),
+        "ends": ["crashed" if crashed else "missed" for crashed in repeats.crashed.tolist()],
+    }
+
+
+def pack(values: ArrayLike) -> dict[str, Any]:
+    """An array as base64 of little-endian float32, with its shape; NaN is allowed."""
+    array = np.ascontiguousarray(np.asarray(values, dtype="<f4"))
+    return {"f32": base64.b64encode(array.tobytes()).decode("ascii"), "shape": list(array.shape)}
+
+
+def number(value: float) -> float | None:
+    """A number for JSON: None where it is not finite."""
+    return float(value) if math.isfinite(value) else None
+
+
+def numbers(values: ArrayLike) -> list[float | None]:
+    """Numbers for JSON, of shape (n,)."""
+    return [number(value) for value in np.asarray(values, dtype=np.float64).tolist()]
+
+
+def thin(rows: int, most: int = MOST_ROWS) -> slice:
+    """Selects every n-th of some rows, evenly, so that at most `most` are left."""
+    return slice(None, None, max(1, math.ceil(rows / most)))
+
+
+def write_json(document: dict[str, Any]) -> str:
+    """The document as one line of JSON that may stand inside an HTML element: it contains no `<`."""
+    return json.dumps(document, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")

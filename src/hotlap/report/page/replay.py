@@ -1,70 +1,125 @@
-"""Replay: the flights of a page, flown again with noise that the search never met."""
+"""Replay: parameters of a study flown once more, with noise that the search never met, for page, pictures and film.
+
+All sets of parameters meet the same noise, and nothing is chosen among these flights.
+"""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hotlap.analysis.robustness import Robustness, check_robustness
 from hotlap.analysis.sensitivity import Sensitivity, survey_sensitivity
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.reference.scenario import Scenario
-from hotlap.report.demonstration import choose, demonstrate
 from hotlap.report.effort import Effort, effort_of
-from hotlap.report.scene import Scene
+from hotlap.report.scene import Scene, repeat, stage, trace
 from hotlap.study.configuration import Configuration
 from hotlap.worlds.world import World
 
+BEST, FIRST, DEFAULT = "best", "first guess", "default"
 FLIGHTS = 50  # of each set of parameters
-WHILE_RUNNING = 12  # the same, while a tuning wants the processors
-SLOW = 0.05  # s of a flight, beyond which parameters are not varied
+WHILE_RUNNING = 12  # the same while the search runs, which needs the processors
+SLOW = 0.05  # s of computing time for a flight, above which robustness and sensitivity are left out
+
+
+@dataclass(frozen=True)
+class ParameterSet:
+    """Parameters that are flown again.
+
+    Attributes:
+        label: what they are: `BEST`, `FIRST` or `DEFAULT`.
+        parameters: shape (S, K).
+    """
+
+    label: str
+    parameters: Parameters
+
+
+def choose(scenario: Scenario, first: Parameters, best: Parameters) -> tuple[ParameterSet, ...]:
+    """The sets that are flown again: the best, the first guess and the controller's default; equal sets are flown once.
+
+    Args:
+        scenario: that they belong to.
+        first: first guess, shape (S, K).
+        best: shape (S, K).
+    """
+    sets = [ParameterSet(BEST, best)]
+    for label, values in ((FIRST, first), (DEFAULT, scenario.space.first_guess(len(scenario.segments)))):
+        if not any(np.array_equal(values, known.parameters) for known in sets):
+            sets.append(ParameterSet(label, values))
+    return tuple(sets)
+
+
+def demonstrate(scenario: Scenario, world: World, sets: Sequence[ParameterSet], seeds: NDArray[np.int64]) -> Scene:
+    """Fly each set of parameters with the same seeds of the noise; the first flight of each set is recorded in full.
+
+    Args:
+        scenario: that is flown.
+        world: where its flights happen.
+        sets: at least one, the most important first.
+        seeds: of the noise, shape (N,): N flights of each set.
+    """
+    count = len(seeds)
+    parameters = np.concatenate([np.repeat(one.parameters[None], count, axis=0) for one in sets])
+    flown = world.fly(scenario, parameters, np.tile(seeds, len(sets)), log=[i * count for i in range(len(sets))])
+    traces = tuple(trace(scenario, flown, i * count, one.label) for i, one in enumerate(sets))
+    repeats = tuple(repeat(flown, slice(i * count, (i + 1) * count), one.label) for i, one in enumerate(sets))
+    return stage(scenario, traces, repeats)
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What was flown again.
+    """All flights of a page.
 
     Attributes:
         scene: one flight of each set of parameters in full, and how the others ended.
-        efforts: of each of these flights: its own, and its reference's.
-        sensitivity: None where it was not flown.
-        holds: with a vehicle that differs; empty where that was not flown.
+        efforts: for each of these flights, the effort of its commands and of the reference's inputs.
+        sensitivity: of the best parameters; None where it was not flown.
+        robustness: of the best parameters with vehicles that differ; empty where it was not flown.
     """
 
     scene: Scene
     efforts: tuple[tuple[Effort, Effort], ...]
     sensitivity: Sensitivity | None
-    holds: tuple[Robustness, ...]
+    robustness: tuple[Robustness, ...]
 
 
-def show(configuration: Configuration, world: World, best: Parameters, holds: tuple[Robustness, ...] | None = None) -> Replay:
-    """Fly all that a page of a finished study shows.
+def replay_finished(
+    configuration: Configuration, world: World, best: Parameters, robustness: tuple[Robustness, ...] | None = None
+) -> Replay:
+    """Fly everything that the page of a finished study shows.
 
     Args:
-        configuration: what the study is a study of.
+        configuration: of the study.
         world: where its flights happen.
         best: shape (S, K).
-        holds: if they have been flown already.
+        robustness: of the best parameters; None: it is flown here.
     """
     scenario, settings = _judged(configuration.scenario), configuration.settings
     before = time.perf_counter()
-    scene = _demonstrate(configuration, scenario, world, best, FLIGHTS)
+    scene = _fly(configuration, scenario, world, best, FLIGHTS)
     slow = time.perf_counter() - before > SLOW * FLIGHTS * len(scene.traces)
-    if holds is None:
-        holds = check_robustness(scenario, world, settings.goal, best, settings.seed) if world.takes_vehicle_parameters and not slow else ()
+    if robustness is None:
+        flown = world.takes_vehicle_parameters and not slow
+        robustness = check_robustness(scenario, world, settings.goal, best, settings.seed) if flown else ()
     sensitivity = None if slow else survey_sensitivity(scenario, world, best, settings.seed)
-    return Replay(scene, _efforts(scene, scenario), sensitivity, holds)
+    return Replay(scene, _efforts(scene, scenario), sensitivity, robustness)
 
 
-def glance(configuration: Configuration, world: World, best: Parameters) -> Replay:
-    """Fly what a page shows while the study is still running."""
+def replay_running(configuration: Configuration, world: World, best: Parameters) -> Replay:
+    """Fly what the page shows while the study is still running: fewer flights, no sensitivity, no robustness."""
     scenario = _judged(configuration.scenario)
-    scene = _demonstrate(configuration, scenario, world, best, WHILE_RUNNING)
+    scene = _fly(configuration, scenario, world, best, WHILE_RUNNING)
     return Replay(scene, _efforts(scene, scenario), None, ())
 
 
-def _demonstrate(configuration: Configuration, scenario: Scenario, world: World, best: Parameters, flights: int) -> Scene:
+def _fly(configuration: Configuration, scenario: Scenario, world: World, best: Parameters, flights: int) -> Scene:
     seeds = flight_seeds(configuration.settings.seed, Stream.DEMONSTRATION, 0, flights)
     return demonstrate(scenario, world, choose(scenario, configuration.first_guess, best), seeds)
 
@@ -74,6 +129,6 @@ def _efforts(scene: Scene, scenario: Scenario) -> tuple[tuple[Effort, Effort], .
 
 
 def _judged(scenario: Scenario) -> Scenario:
-    """The same scenario, flown no further than its flights are judged: they are the same up to there."""
+    """The same scenario, in which a flight ends at the first missed gate; up to there it is the same flight."""
     judge = scenario.race.judge.model_copy(update={"fly_on": False})
     return replace(scenario, race=scenario.race.model_copy(update={"judge": judge}))

@@ -1,7 +1,8 @@
-"""Writing: the built page filled with a study."""
+"""Writing: the page of a study, as a file or for a browser that watches while the search runs."""
 
 from __future__ import annotations
 
+import threading
 from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
@@ -9,28 +10,27 @@ from typing import Any
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.errors import HotlapError
 from hotlap.report.markup import text
-from hotlap.report.page.document import describe
-from hotlap.report.page.encoding import write_json
-from hotlap.report.page.replay import Replay, show
-from hotlap.report.page.still import describe_still, title_of
-from hotlap.study.snapshot import Snapshot, read_snapshot
+from hotlap.report.page.document import dump_study, write_json
+from hotlap.report.page.replay import Replay, replay_finished, replay_running
+from hotlap.report.page.static import render_static, title_of
+from hotlap.study.snapshot import Snapshot, count_flights, read_snapshot
 from hotlap.study.study import Study
 from hotlap.system.text_files import replace
 from hotlap.worlds.world import World
 
 REPORT = "report.html"
 TITLE = "<title>hotlap</title>"
-STILL = '<div id="static"></div>'
+STATIC = '<div id="static"></div>'
 DATA = '<script id="study-data" type="application/json"></script>'
 
 
-def write_report(study: Study, world: World, holds: tuple[Robustness, ...] | None = None) -> Path:
-    """Write the page of a study into its folder; flies what it shows.
+def write_report(study: Study, world: World, robustness: tuple[Robustness, ...] | None = None) -> Path:
+    """Write the page of a study into the folder of the study; the flights that the page shows are flown here.
 
     Args:
-        study: to be shown; it may have no flights yet.
+        study: it may have no flights yet.
         world: where its flights happen.
-        holds: how the best parameters fare elsewhere, if that has been flown already.
+        robustness: of the best parameters; None: it is flown here.
 
     Returns:
         The file.
@@ -39,19 +39,19 @@ def write_report(study: Study, world: World, holds: tuple[Robustness, ...] | Non
         InputError: when it cannot be written.
     """
     snapshot = read_snapshot(study)
-    replay = show(snapshot.configuration, world, snapshot.best, holds)
+    replay = replay_finished(snapshot.configuration, world, snapshot.best, robustness)
     path = snapshot.folder / REPORT
     replace(path, render(snapshot, replay))
     return path
 
 
 def render(snapshot: Snapshot, replay: Replay | None, *, live: bool = False) -> str:
-    """The page as HTML."""
-    return fill(load_template(), title_of(snapshot), describe_still(snapshot, replay), describe(snapshot, replay, live=live))
+    """The page as HTML; arguments as for `dump_study`."""
+    return fill(load_template(), title_of(snapshot), render_static(snapshot, replay), dump_study(snapshot, replay, live=live))
 
 
 def load_template() -> str:
-    """The page as it was built.
+    """The built page, without a study.
 
     Raises:
         HotlapError: this installation has none.
@@ -62,18 +62,18 @@ def load_template() -> str:
     return template.read_text(encoding="utf-8")
 
 
-def fill(template: str, title: str, still: str, document: dict[str, Any]) -> str:
-    """A template with its three places filled.
+def fill(template: str, title: str, static: str, document: dict[str, Any]) -> str:
+    """The template with its three placeholders replaced.
 
     Args:
-        template: holds each of `TITLE`, `STILL` and `DATA` once.
+        template: contains each of `TITLE`, `STATIC` and `DATA` once.
         title: of the page.
-        still: HTML that reads without JavaScript.
-        document: what the script reads.
+        static: HTML for readers without JavaScript.
+        document: the data that the script of the page reads.
     """
     contents = {
         TITLE: f"<title>{text(title)} - hotlap</title>",
-        STILL: f'<div id="static">{still}</div>',
+        STATIC: f'<div id="static">{static}</div>',
         DATA: f'<script id="study-data" type="application/json">{write_json(document)}</script>',
     }
     for place, content in contents.items():
@@ -81,3 +81,55 @@ def fill(template: str, title: str, still: str, document: dict[str, Any]) -> str
         assert found and place not in after, "the built page has each place once"  # noqa: S101, PT018  our own mistake
         template = before + content + after
     return template
+
+
+class LiveStudy:
+    """The page of a study that may still be running, for a server; several threads may ask.
+
+    A poll costs one short query while nothing changes. Flights are replayed only when the best parameters have changed.
+
+    Args:
+        folder: of the study.
+        world: where its flights happen.
+    """
+
+    def __init__(self, folder: Path, world: World) -> None:
+        self._folder, self._world, self._lock = folder, world, threading.Lock()
+        self._replays: dict[tuple[bytes, bool], Replay] = {}
+
+    def page(self) -> str:
+        """The whole page as HTML.
+
+        Raises:
+            StudyError: the study cannot be read.
+        """
+        with self._lock:
+            snapshot = self._read()
+            return render(snapshot, self._replay(snapshot), live=True)
+
+    def news(self, known: int = -1) -> str | None:
+        """The document of the page as JSON; None where no flights were added.
+
+        Args:
+            known: number of flights that the page has, re-flights and validation included.
+
+        Raises:
+            StudyError: the study cannot be read.
+        """
+        with self._lock:
+            if count_flights(self._folder) == known:
+                return None
+            snapshot = self._read()
+            return write_json(dump_study(snapshot, self._replay(snapshot), live=True))
+
+    def _read(self) -> Snapshot:
+        with Study.read(self._folder) as study:
+            return read_snapshot(study)
+
+    def _replay(self, snapshot: Snapshot) -> Replay:
+        """The last replay while the best parameters stay the same; a full one when the search is over."""
+        best, finished = snapshot.best, snapshot.finished
+        key = best.tobytes(), finished
+        if key not in self._replays:
+            self._replays = {key: (replay_finished if finished else replay_running)(snapshot.configuration, self._world, best)}
+        return self._replays[key]

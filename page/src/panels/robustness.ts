@@ -1,18 +1,18 @@
-/** Will it hold? Rates of success, with their intervals, where the truth is a little different. */
+/** Robustness: success rates of the tuned parameters, with their intervals, when the vehicle differs from the one they were tuned on. */
 import type { App } from "../app";
-import type { Hold, Interval } from "../data";
+import type { Interval, Robustness } from "../data";
 import { card, h, renew, s } from "../dom";
 import { interval, percent } from "../format";
 
 const WIDTH = 120;
 
-export function hold(app: App): HTMLElement {
+export function robustness(app: App): HTMLElement {
   const body = h("div", {});
-  app.parts.hold.watch((rows) => renew(body, rows.length ? table(rows) : "Not flown."));
-  return card("hold", "Will it hold?", "The tuned parameters where the truth is different; whiskers: 95 % interval.", body);
+  app.parts.robustness.watch((rows) => renew(body, rows.length ? table(rows) : "Not flown: the simulator takes no other vehicle, or the study is still running."));
+  return card("robustness", "Robustness", "Success rate of the tuned parameters when the vehicle differs from the one they were tuned on; whiskers: 95 % interval.", body);
 }
 
-function table(rows: readonly Hold[]): HTMLElement {
+function table(rows: readonly Robustness[]): HTMLElement {
   const lines = rows.map((row) =>
     h(
       "tr",
@@ -22,10 +22,10 @@ function table(rows: readonly Hold[]): HTMLElement {
       h("td", {}, rateBar(row)),
     ),
   );
-  return h("table", { class: "hold" }, h("tbody", {}, ...lines));
+  return h("table", { class: "robustness" }, h("tbody", {}, ...lines));
 }
 
-/** A rate as a dot on a line from 0 to 1, with its interval. */
+/** A success rate as a dot on a line from 0 to 1, with its interval. */
 export function rateBar(rate: Pick<Interval, "low" | "high"> & { readonly rate: number }): SVGElement {
   const x = (share: number): number => 5 + share * (WIDTH - 10);
   return s(

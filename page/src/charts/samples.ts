@@ -1,4 +1,4 @@
-/** Learnt: parameters that the search tried in one segment, each by itself and in pairs. */
+/** Samples: parameters of the search flights in one segment, each by itself (histogram) and in pairs (scatter). */
 import type { App } from "../app";
 import { type Palette, palette } from "../colours";
 import type { ParameterSet, Samples } from "../data";
@@ -14,14 +14,14 @@ const BINS = 12;
 const FEW = 3;
 
 /** The card with marginals and pairs of a segment. */
-export function learnt(app: App): { readonly element: HTMLElement; readonly build: () => void } {
+export function samples(app: App): { readonly element: HTMLElement; readonly build: () => void } {
   const canvas = h("canvas", { role: "img", class: "pairs" });
   const said = h("p", { class: "key" });
   const body = h("div", {});
   const build = (): void => {
     const { samples, parameters } = app.parts;
     const tried = samples.value?.parameters.shape[0] ?? 0;
-    if (!samples.value || !parameters.value || tried < FEW) return renew(body, `${count(tried, "search flight")}: too few to see anything.`);
+    if (!samples.value || !parameters.value || tried < FEW) return renew(body, `${count(tried, "search flight")}: too few for this chart.`);
     renew(body, said, canvas);
     const names = app.parts.scenario.value.segment_names;
     const segment = Math.min(app.chosen.value, names.length - 1);
@@ -32,8 +32,8 @@ export function learnt(app: App): { readonly element: HTMLElement; readonly buil
   const { samples, parameters, scenario } = app.parts;
   for (const signal of [samples, parameters, scenario, app.chosen, app.theme]) signal.after(build);
   keepFitting(body, build);
-  const note = "Parameters that the search tried in one segment, on logarithmic axes from bound to bound: each by itself, and in pairs.";
-  return { element: card("learnt", "What was learnt", note, segmentSwitch(app, "learnt"), body), build };
+  const note = "Values that the search tried in one segment, on logarithmic axes from bound to bound: each parameter by itself, and in pairs.";
+  return { element: card("samples", "Parameters of the search flights", note, segmentSwitch(app, "samples"), body), build };
 }
 
 function keys(samples: Samples): HTMLElement[] {

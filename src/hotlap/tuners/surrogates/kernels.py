@@ -29,6 +29,8 @@ from sklearn.gaussian_process.kernels import (
 )
 from threadpoolctl import ThreadpoolController
 
+from hotlap.tuners.surrogates.gaussian_process import matern, square_distances
+
 Floats = NDArray[np.float64]
 
 LENGTHS = (0.05, 10.0)  # points in the unit box lie about 0.4 apart
@@ -67,15 +69,14 @@ class _Stationary(StationaryKernelMixin, NormalizedKernelMixin, Kernel):  # pyri
 
     def _square(self, a: Floats, b: Floats) -> Floats:
         """r^2, shape (n, m)."""
-        return mean_square(a, b) / self.length**2
+        return square_distances(a, b) / (a.shape[1] * self.length**2)
 
 
 class Matern(_Stationary):
     """(1 + s + s^2 / 3) exp(-s), s = sqrt(5) r: smoothness 5/2, RW Eq. 4.17."""
 
     def _gram(self, a: Floats, b: Floats) -> Floats:
-        s = np.sqrt(5 * self._square(a, b))
-        return (1 + s + s**2 / 3) * np.exp(-s)
+        return np.asarray(matern(np.sqrt(5 * self._square(a, b))), dtype=np.float64)
 
     def _slopes(self, a: Floats, gram: Floats) -> list[Floats]:  # noqa: ARG002
         s = np.sqrt(5 * self._square(a, a))
@@ -206,12 +207,6 @@ def _libraries() -> ThreadpoolController:
 def _regress(covariance: Any, points: Floats, values: Floats, noise: float) -> Any:
     """Regression with hyperparameters as they are."""
     return GaussianProcessRegressor(covariance, alpha=noise, optimizer=None).fit(points, values)  # pyright: ignore[reportArgumentType]
-
-
-def mean_square(a: Floats, b: Floats) -> Floats:
-    """Mean over the axes of (a_j - b_j)^2, shape (n, m), never negative."""
-    square = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1)[None] - 2 * a @ b.T
-    return np.maximum(square, 0.0) / a.shape[1]
 
 
 def _circle(points: Floats, period: float) -> Floats:

@@ -1,0 +1,71 @@
+"""Posterior paths: functions drawn from the posterior of a Gaussian process, for Thompson sampling."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.tuners.surrogates.gaussian_process import Posterior
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+
+FEATURES = 1024  # cosines that a path of the prior is made of
+SLICE = 128  # points whose cosines fit into a cache
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Functions drawn from a posterior by Matheron's rule: paths of the prior, corrected by what the data say.
+
+    f(x) = phi(x)' w + k(x, X) (K + noise)^-1 (y - phi(X)' w - e) (Wilson and others, ICML 2020, Eq. 13), phi of random Fourier features
+    (Rahimi, Recht, NIPS 2007). The paths of the prior are kept in single precision: rounded, each is a path of the prior still.
+
+    Attributes:
+        posterior: of the process.
+        frequencies: shape (d, `FEATURES`).
+        phases: shape (`FEATURES`,).
+        prior: weights w of the features, shape (`FEATURES`, count).
+        correction: weights of the kernel, shape (n, count).
+    """
+
+    posterior: Posterior
+    frequencies: Singles
+    phases: Singles
+    prior: Singles
+    correction: Floats
+
+    def at(self, points: Floats) -> Floats:
+        """Values of all paths, shape (m, count), at points, shape (m, d)."""
+        return np.concatenate([self._at(points[i : i + SLICE]) for i in range(0, len(points), SLICE)])
+
+    def prior_at(self, features: Floats | Singles) -> Floats:
+        """Values of the paths of the prior, without the mean, shape (m, count), at points in units of the lengths, shape (m, d)."""
+        cosines = np.cos(features.astype(np.float32) @ self.frequencies + self.phases)
+        return np.asarray(cosines @ self.prior, dtype=np.float64)
+
+    def _at(self, points: Floats) -> Floats:
+        known = self.posterior
+        return known.mean + self.prior_at(points / known.lengths) + known.across(points) @ self.correction
+
+
+def draw_paths(posterior: Posterior, noise: float, count: int, rng: np.random.Generator) -> Paths:
+    """Independent paths of the signal, without noise.
+
+    Args:
+        posterior: of a kernel with this noise.
+        noise: variance of the noise over that of the signal.
+        count: how many.
+        rng: the source of chance.
+    """
+    number, size = posterior.features.shape
+    spread = np.sqrt(rng.chisquare(5, FEATURES) / 5)  # the spectrum of Matern 5/2 is Student's t
+    frequencies = (rng.standard_normal((size, FEATURES)) / spread).astype(np.float32)
+    phases = (rng.uniform(0, 2 * np.pi, FEATURES)).astype(np.float32)
+    prior = (posterior.scale * np.sqrt(2 / FEATURES) * rng.standard_normal((FEATURES, count))).astype(np.float32)
+    free = Paths(posterior, frequencies, phases, prior, np.zeros((number, count)))
+    errors = posterior.scale * np.sqrt(noise) * rng.standard_normal((number, count))
+    surplus = free.prior_at(posterior.features) + errors
+    return replace(free, correction=posterior.weights[:, None] - posterior.whitening @ (posterior.whitening.T @ surplus))
