@@ -25,6 +25,7 @@ from hotlap.files.parameters_file import Remark, SavedParameters
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
 from hotlap.study.result import Result
+from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study, new_folder
 from hotlap.tuning.goal import Goal, Quantity, parse_goal
 from hotlap.tuning.goal_forms import LAP_TIME
@@ -131,7 +132,6 @@ class TuningResult(Outcome):
     def plot(self) -> Figure:
         """Completion and cost over the flights of the search."""
         from hotlap.report.pictures import draw_convergence  # noqa: PLC0415  matplotlib, only where there is something to draw
-        from hotlap.study.snapshot import read_snapshot  # noqa: PLC0415
 
         with Study.read(self.folder) as study:
             return draw_convergence(read_snapshot(study))
@@ -148,8 +148,7 @@ def carry_out(asked: Asked) -> TuningResult:
         result = _tune(study, world, asked)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
-        robustness = _check_robustness(study, world, result, asked)
-        report = _write_report(study, world, robustness, asked)
+        robustness, report = _report(study, world, asked)
     again = _again(asked, folder)
     return TuningResult(configuration.scenario, result, world.name, str(asked.first_guess), folder, file, report, robustness, again)
 
@@ -221,27 +220,24 @@ def _saved(study: Study, result: Result) -> SavedParameters:
     return SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, result.best.parameters, known)
 
 
-def _check_robustness(study: Study, world: World, result: Result, asked: Asked) -> tuple[Robustness, ...]:
-    """How the best parameters fare with a vehicle that differs a little; nothing where the world flies what it has."""
-    configuration = study.configuration
-    if not world.takes_vehicle_parameters or not configuration.settings.validation:
-        return ()
-    from hotlap.analysis.robustness import check_robustness  # noqa: PLC0415  it loads the flight core
+def _report(study: Study, world: World, asked: Asked) -> tuple[tuple[Robustness, ...], Path | None]:
+    """How the best parameters fare with vehicles that differ a little, and the page; what is tuned is saved already.
 
-    with asked.progress.working("flying vehicles that differ a little"):
-        return check_robustness(configuration.scenario, world, configuration.settings.goal, result.best.parameters, result.seed)
+    Without a validation no other vehicles are flown either; nor where the world flies what it has.
+    """
+    from hotlap.report.page.replay import replay_finished  # noqa: PLC0415  it loads the flight core
+    from hotlap.report.page.writing import write_replay  # noqa: PLC0415
 
-
-def _write_report(study: Study, world: World, robustness: tuple[Robustness, ...], asked: Asked) -> Path | None:
-    """The page of a study; what is tuned is saved already, and worth no less without it."""
-    from hotlap.report.page.writing import write_report  # noqa: PLC0415  it loads the flight core
-
+    robustness: tuple[Robustness, ...] = ()
+    snapshot, validated = read_snapshot(study), study.configuration.settings.validation > 0
     try:
         with asked.progress.working("writing the report"):
-            return write_report(study, world, robustness)
+            replay = replay_finished(study.configuration, world, snapshot.best, robustness=validated)
+            robustness = replay.robustness
+            return robustness, write_replay(snapshot, replay)
     except (HotlapError, OSError) as error:
         asked.progress.note(f"note: no report: {error}")
-        return None
+        return robustness, None
 
 
 def _again(asked: Asked, folder: Path) -> str:
