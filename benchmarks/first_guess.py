@@ -19,6 +19,7 @@ import numpy as np
 
 from hotlap import tuners
 from hotlap.analysis.learning import Lesson, lessons, race_of
+from hotlap.analysis.resumable import digest_code
 from hotlap.core.errors import PlanningError
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream, flight_seeds
@@ -165,7 +166,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("build/first-guess-study"))
     parser.add_argument("--jobs", type=int, default=0)
     options = parser.parse_args()
-    with Journal.opened(options.out / options.part) as kept:
+    with Journal.opened(options.out / options.part, digest_code(Path(__file__))) as kept:
         for line in parts[options.part](kept, options.jobs):
             print(line)
     return 0

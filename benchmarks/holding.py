@@ -19,6 +19,7 @@ import numpy as np
 from comparison import TABLE_I
 
 from hotlap import tuners
+from hotlap.analysis.resumable import digest_code
 from hotlap.core.success_rate import FLIGHTS
 from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
@@ -110,7 +111,7 @@ def main() -> None:
     options = parser.parse_args()
     rules = [(guess, *rule) for guess in options.guesses for rule in RULES]
     cases = {(race, rule): Case(race, *rule, options.seeds, options.budget) for race in options.races for rule in rules}
-    with Kept.opened(options.out) as kept:
+    with Kept.opened(options.out, digest_code(Path(__file__))) as kept:
         missing = [case for case in cases.values() if repr(case) not in kept.done]
         for count, (case, runs) in enumerate(spread(fly, missing, options.jobs), 1):
             kept.add(repr(case), runs)

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from hotlap import tuners
+from hotlap.analysis.resumable import digest_code
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
@@ -228,7 +229,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("build/segments"))
     parser.add_argument("--jobs", type=int, default=0)
     options = parser.parse_args()
-    with Journal.opened(options.out / options.part) as kept:
+    with Journal.opened(options.out / options.part, digest_code(Path(__file__))) as kept:
         for line in parts[options.part](kept, options.jobs):
             print(line)
     return 0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -64,18 +63,8 @@ def draw_comparison(folder, _):
     return (folder / "curves.svg",)
 
 
-def compose_article(*arguments):
-    """The real one, for which matplotlib is loaded."""
-    fake = sys.modules.pop(COMPARISON)
-    try:
-        return import_module(COMPARISON).compose_article(*arguments)
-    finally:
-        sys.modules[COMPARISON] = fake
-
-
-COMPARISON = "hotlap.report.comparison"
 MODULES = {
-    COMPARISON: module("comparison", draw_comparison=draw_comparison, compose_article=compose_article),
+    "hotlap.report.comparison": module("comparison", draw_comparison=draw_comparison),
 }
 LEARNT = make_set(make_race("straight", "8"), candidates=(DEFAULT,))
 REPLACEMENTS: list[tuple[Any, str, Any]] = [

@@ -3,6 +3,7 @@ import pytest
 from hotlap.files.documented_keys import documented_keys, table_of
 from hotlap.race import race, track
 from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.schema import Described
 
 DESCRIPTIONS = [
     track.Track,
@@ -47,3 +48,17 @@ def test_a_table_is_known_through_options_and_lists():
 def test_choices_are_listed():
     rule = next(key for key in documented_keys(race.JudgeSettings) if key.name == "rule")
     assert rule.meaning.endswith("clock, closest, released")
+
+
+class Rod(Described):
+    """A thing with one key."""
+
+    length: float = 1.0
+    """[m] from one end
+    to the other. None: unknown."""
+
+
+def test_the_docstring_below_a_key_is_its_documentation():
+    (key,) = documented_keys(Rod)
+    assert (key.name, key.unit, key.default, key.required) == ("length", "m", 1.0, False)
+    assert key.meaning == "from one end to the other. Without it: unknown"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from first_guess.small import AWAY, DEFAULT, GOOD, HERE, OTHER, make_race, make_set
-from hotlap.first_guess.vote import likeness, vote
+from hotlap.first_guess.vote import similarity, vote
 
 BOTH = make_set(make_race("a", "080"), make_race("b", "008", features=AWAY))
 
@@ -18,7 +18,7 @@ def test_what_flew_here_wins(features, winner):
 
 def test_the_nearer_a_race_the_louder_it_speaks():
     here, away = np.array(HERE), np.array(AWAY)
-    shares = [likeness(BOTH, here + share * (away - here))[1] for share in np.linspace(0, 1, 5)]
+    shares = [similarity(BOTH, here + share * (away - here))[1] for share in np.linspace(0, 1, 5)]
     assert (np.diff(shares) >= 0).all()
     assert shares[0] < 1e-3 < shares[-2] < shares[-1] == 1.0
 
@@ -42,5 +42,5 @@ def test_passing_more_gates_counts_where_none_passes_all():
 
 def test_what_is_the_same_in_all_races_tells_nothing():
     other = np.array(HERE) * [1, 1, 1, 1, 2]
-    assert likeness(make_set(make_race("a", "008")), other).tolist() == likeness(make_set(make_race("b", "008")), other).tolist()
+    assert similarity(make_set(make_race("a", "008")), other).tolist() == similarity(make_set(make_race("b", "008")), other).tolist()
     assert vote(make_set(make_race("a", "800")), other).tolist() == list(DEFAULT)

@@ -7,6 +7,8 @@ Transactions on Automatic Control 67(8), 2022.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
+from typing import Any
 
 import daqp
 import numpy as np
@@ -85,19 +87,19 @@ def swept(mpc: Mpc, sweeps: int) -> np.ndarray:
 
 
 def exact(mpc: Mpc) -> np.ndarray:
-    """Inputs of the quadratic problem's solution, shape (N, 4)."""
+    """Inputs of the quadratic problem's solution, shape (N, 4): states eliminated, then DAQP."""
     return solution(mpc)[0]
 
 
-def solution(mpc: Mpc) -> tuple[np.ndarray, np.ndarray]:
-    """Inputs and planned states of the quadratic problem's solution, (N, 4) and (N + 1, 10): states eliminated, then DAQP."""
-    linearised = stages.linearised_node_map()
-    h, low, high, gravity = mpc.spacing[0, 0], mpc.low[:, 0], mpc.high[:, 0], mpc.constants[0, 0]
+def solution(mpc: Mpc) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Inputs of the quadratic problem's solution, (N, 4), and the deviations of its states from the planned ones, N + 1 of (9,)."""
+    low, high = mpc.low[:, 0], mpc.high[:, 0]
     states, inputs, reference = mpc.X[..., 0], mpc.U[..., 0], mpc.reference[..., 0]
     nodes = len(inputs)
+    near, defects, As, Bs = linearised(mpc)
     Q, R = stages.diagonal(mpc.weights[0, :, 0]), mpc.input_weights[:, 0]
     free, response = np.zeros(9), np.zeros((9, 4 * nodes))  # deviation = free + response (inputs - near)
-    H, f, near = np.diag(np.tile(R, nodes)), np.zeros(4 * nodes), np.zeros((nodes, 4))
+    H, f = np.diag(np.tile(R, nodes)), (R * (near - reference[:nodes, 10:])).ravel()
     paths = []
     for n in range(nodes + 1):
         paths.append((free, response))
@@ -105,19 +107,30 @@ def solution(mpc: Mpc) -> tuple[np.ndarray, np.ndarray]:
         H += response.T * Q @ response
         f += response.T @ (Q * error)
         if n < nodes:
-            parts = linearised(states[n], inputs[n], states[n + 1], np.zeros(9), h, low, high, gravity)
-            near[n], defect, jacobian = (np.array(part).ravel() for part in parts)
-            A, B = stages.unpack(jacobian, h)
-            f[4 * n : 4 * n + 4] += R * (near[n] - reference[n, 10:])
-            free, response = A @ free + defect, A @ response
-            response = response + np.pad(B, ((0, 0), (4 * n, 4 * (nodes - n - 1))))
+            free, response = As[n] @ free + defects[n], As[n] @ response
+            response[:, 4 * n : 4 * n + 4] += Bs[n]
     upper, lower = np.tile(high, nodes) - near.ravel(), np.tile(low, nodes) - near.ravel()
     step, _, flag, _ = daqp.solve(
         H, f, np.zeros((0, 4 * nodes)), upper, lower, np.zeros(4 * nodes, dtype=np.int32), primal_tol=1e-10, dual_tol=1e-12
     )
     assert flag == 1, "a strictly convex problem within bounds has a solution"
-    planned = [stages.moved(x, free + response @ step) for x, (free, response) in zip(states, paths, strict=True)]
-    return near + step.reshape(nodes, 4), np.array(planned)
+    return near + step.reshape(nodes, 4), [free + response @ step for free, response in paths]
+
+
+@cache
+def linearised_nodes(nodes: int) -> Any:
+    """The linearised node map for all nodes in one call: calls take longer than what they compute."""
+    return stages.linearised_node_map().map(nodes)
+
+
+def linearised(mpc: Mpc) -> tuple[np.ndarray, np.ndarray, list[np.ndarray], list[np.ndarray]]:
+    """Inputs within their bounds, defects, A and B of all nodes around the plan."""
+    states, inputs, h = mpc.X[..., 0], mpc.U[..., 0], mpc.spacing[0, 0]
+    alike = (np.tile(column, (len(inputs), 1)).T for column in (mpc.spacing[:, 0], mpc.low[:, 0], mpc.high[:, 0], mpc.constants[:1, 0]))
+    parts = linearised_nodes(len(inputs))(states[:-1].T, inputs.T, states[1:].T, np.zeros((9, len(inputs))), *alike)
+    near, defects, jacobians = (np.array(part).T for part in parts)
+    As, Bs = zip(*(stages.unpack(jacobian, h) for jacobian in jacobians), strict=True)
+    return near, defects, list(As), list(Bs)
 
 
 def is_bounded(mpc: Mpc, inputs: np.ndarray) -> bool:
@@ -153,7 +166,8 @@ def closed_loop(scenario: Scenario, parameters: np.ndarray, seed: int, steps: in
         segment = aim_one(job, s, mpc, loop, segment, tick * s.period)
         begin_plan_one(s, numbers(mpc), numbers(loop))
         if sweeps is None:
-            mpc.U[..., 0], mpc.X[..., 0] = solution(mpc)
+            mpc.U[..., 0], deviations = solution(mpc)
+            mpc.X[..., 0] = [stages.moved(x, change) for x, change in zip(mpc.X[..., 0], deviations, strict=True)]
         else:
             solve_one(numbers(mpc), sweeps)
         loop.history[1:], loop.history[0] = loop.history[:-1].copy(), mpc.U[0]

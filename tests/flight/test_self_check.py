@@ -21,10 +21,10 @@ LANES = best_numbers()
 
 
 @pytest.fixture
-def remark(tmp_path, monkeypatch):
+def result_file(tmp_path, monkeypatch):
     """Where it is written what a check found."""
-    path = tmp_path / "kernels" / "remark.txt"
-    monkeypatch.setattr(self_check, "remark_on", lambda dispatcher: path)
+    path = tmp_path / "kernels" / "result_file.txt"
+    monkeypatch.setattr(self_check, "check_file_of", lambda dispatcher: path)
     return path
 
 
@@ -115,25 +115,25 @@ def test_lanes_that_cannot_be_compiled_do_not_agree(error, monkeypatch):
 
 
 @pytest.mark.parametrize("result", [True, False])
-def test_what_was_found_out_is_known_the_next_time(result, remark, monkeypatch):
+def test_what_was_found_out_is_known_the_next_time(result, result_file, monkeypatch):
     monkeypatch.setattr(self_check, "check", lambda numbers, kind: result)
     assert self_check.agrees(LANES, ControllerKind.MPC) is result
-    assert remark.exists()
+    assert result_file.exists()
     monkeypatch.setattr(self_check, "check", lambda numbers, kind: 1 / 0)
     assert self_check.agrees(LANES, ControllerKind.MPC) is result
 
 
 @pytest.mark.parametrize("damage", [b"", b"agr", b"\xff"])
-def test_a_damaged_remark_is_found_out_again(damage, remark, monkeypatch):
-    remark.parent.mkdir()
-    remark.write_bytes(damage)
+def test_a_damaged_result_is_found_out_again(damage, result_file, monkeypatch):
+    result_file.parent.mkdir()
+    result_file.write_bytes(damage)
     monkeypatch.setattr(self_check, "check", lambda numbers, kind: False)
     assert not self_check.agrees(LANES, ControllerKind.MPC)
-    assert remark.read_text() == self_check.DIFFERS
+    assert result_file.read_text() == self_check.DIFFERS
 
 
-def test_a_remark_that_cannot_be_kept_is_no_error(remark, monkeypatch):
-    remark.parent.write_text("no folder")
+def test_a_result_that_cannot_be_kept_is_no_error(result_file, monkeypatch):
+    result_file.parent.write_text("no folder")
     monkeypatch.setattr(self_check, "check", lambda numbers, kind: True)
     assert self_check.agrees(LANES, ControllerKind.MPC)
 

@@ -10,7 +10,7 @@ import pytest
 
 from hotlap.analysis.comparison import Run
 from hotlap.report.article import Article, inline
-from hotlap.report.comparison import compose_article
+from hotlap.report.comparison_article import compose_article
 
 PNG = bytes.fromhex(
     "89504e470d0a1a0a0000000d49484452000000010000000108060000001f15c4890000000d49444154789c6360000002000001e221bc330000000049454e44ae426082"

@@ -32,7 +32,7 @@ def flights():
     return film_flights(scenario, PlausibleWorld(), (shown[1], shown[0]), seed=3, interval=0.1)
 
 
-def test_a_take_is_followed_to_the_end_and_counts_its_gates(flights):
+def test_a_flight_is_followed_to_its_end_with_a_count_of_its_gates(flights):
     bad, good = flights
     assert (good.failed, good.passed[0], good.passed[-1]) == (False, 0, 5)
     assert good.ending == "all 5 gates, 5.00 s"

@@ -144,8 +144,8 @@ def test_the_race_can_be_read_again(whole, study, tmp_path):
 
 
 def test_the_command_is_the_one_that_was_given_and_names_the_first_guess(tmp_path, whole):
-    assert whole["configuration"]["command"] == "hotlap tune straight.toml --first-guess mine.toml"
-    assert whole["headline"]["first_guess"] == "mine.toml"
+    assert whole["configuration"]["command"] == "hotlap tune straight.toml --first-guess 'my guesses/mine.toml'"
+    assert whole["headline"]["first_guess"] == "my guesses/mine.toml"
     document = dump_study(begin(tmp_path, configure()), None)
     assert document["configuration"]["command"].endswith("--first-guess default")
     assert document["headline"]["first_guess"] == "given", "a program gave numbers"

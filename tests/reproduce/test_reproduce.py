@@ -21,7 +21,8 @@ def test_the_published_figures_are_whole():
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
-def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, capsys):
+def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("hotlap.reproduce.initialisations.MOST_LINES", 3)
     command = ["reproduce", name, "--quick", "--jobs", "1", "--out", str(tmp_path), "--json"]
     assert main(command) == 0
     first = json.loads(capsys.readouterr().out)["experiments"][name]

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import traceback
 from collections.abc import Callable, Iterator
-from dataclasses import FrozenInstanceError, asdict
+from dataclasses import FrozenInstanceError, asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,8 @@ SPACE = ParameterSpace(
     np.array([200.0, 500.0, 50.0, 10.0, 4.0]),
     np.array([1.0, 1.0, 1.0, 1.0, 0.5]),
 )
-SEGMENTS = 3
+SEGMENTS, GATE_SEGMENTS = 3, np.array([0, 0, 1, 2, 2])
+CRASH = 1.5  # a miss at which a flight ends
 TURNS = ((1, 1), (2, 16), (7, 23), (64, 25))  # how many are asked for at once, and least flights until the next turn
 
 
@@ -49,6 +50,18 @@ def judge(parameters: np.ndarray) -> Scores:
     """A bowl in logarithms, with a segment that fails."""
     bowl = np.log(parameters / SPACE.default * 1.5) ** 2
     return make_scores(bowl.sum(axis=(1, 2)), failed_segment=1)
+
+
+def judge_gates(parameters: np.ndarray) -> Scores:
+    """The same bowl as flights through gates: a dense cost of its own, and the miss at each gate, unknown behind a crash."""
+    bowl = (np.log(parameters / SPACE.default * 1.5) ** 2).sum(axis=2)
+    miss = np.log(0.1 + bowl[:, GATE_SEGMENTS]) - 0.5
+    reached = np.cumprod(miss < CRASH, axis=1, dtype=bool)
+    seen = np.hstack([np.ones((len(miss), 1), dtype=bool), reached[:, :-1]])
+    segments = np.tile(GATE_SEGMENTS, (len(miss), 1))
+    passed = np.cumprod(miss < 0, axis=1).mean(axis=1)
+    gates = {"gate_miss": np.where(seen, miss, np.nan), "gate_segment": segments, "completion": passed}
+    return replace(judge(parameters), dense=np.exp(miss).sum(axis=1), **gates)
 
 
 def step(tuner: tuners.Tuner, n: int, scores: Callable[[np.ndarray], Scores] = judge) -> np.ndarray:
@@ -75,7 +88,7 @@ def turn(tuner: tuners.Tuner, n: int, flights: int, overwrite: bool = False) -> 
     """Always ask for n, until so many flights are flown; all that was asked for, which may be overwritten after that."""
     asked: list[list[float]] = []
     while len(asked) < flights:
-        parameters = step(tuner, n)
+        parameters = step(tuner, n, judge_gates)
         asked += parameters.tolist()
         if overwrite:
             parameters[:] = -1.0
@@ -218,3 +231,13 @@ def test_tuners_know_parameters_and_records_and_nothing_else_of_hotlap():
             for module in modules:
                 foreign = module.split(".")[0] == "hotlap" and not module.startswith("hotlap.tuners")
                 assert not foreign or module in allowed, f"{path.name} imports {module}"
+
+
+def test_the_flights_of_the_contract_pass_gates_miss_gates_and_crash():
+    scores = judge_gates(SPACE.from_unit(np.random.default_rng(0).random((200, SEGMENTS, 5))))
+    unknown = np.isnan(scores.gate_miss)
+    assert 0.1 < unknown.mean() < 0.9
+    assert not unknown[:, 0].any()
+    near = judge_gates(np.tile(SPACE.default / 1.5, (1, SEGMENTS, 1)))
+    assert near.completion == 1.0
+    assert not np.isnan(near.gate_miss).any()

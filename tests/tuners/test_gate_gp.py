@@ -10,7 +10,7 @@ import pytest
 
 from hotlap import tuners
 from hotlap.core.records import Scores
-from hotlap.tuners.gate_gp import SPARE, GateGp, GateGpSettings
+from hotlap.tuners.gate_gp import MARGIN, GateGp, GateGpSettings
 from hotlap.tuners.surrogates.gate_process import FARTHEST, NEAREST
 from hotlap.tuners.walk import MEMORY, fitted
 
@@ -138,9 +138,9 @@ def test_a_candidate_is_worth_less_the_nearer_it_comes_to_a_miss_and_what_is_not
     tuner = GateGp("gate_gp", GateGpSettings())
     tuner.start(SPACE.first_guess(SEGMENTS), SPACE, np.random.default_rng(0))
     tuner.tell(SPACE.first_guess(SEGMENTS)[None], fly(SPACE.first_guess(SEGMENTS)[None], np.random.default_rng(0)))
-    means, noises = np.array([[-1.0], [-SPARE], [0.0], [0.5]]), np.array([0.2])
-    values = tuner._value(means, np.zeros((4, 1)), noises, 1.0)
+    means, noises = np.array([[-1.0], [-MARGIN], [0.0], [0.5]]), np.array([0.2])
+    values = tuner._acquisition(means, np.zeros((4, 1)), noises, 1.0)
     assert values[1] == pytest.approx(np.log(2)), "with just enough to spare it passes in half of the cases"
     assert (np.diff(values) > 0).all()
-    assert (tuner._value(means, np.full((4, 1), 0.3), noises, 1.0) < values).all()
-    np.testing.assert_array_equal(tuner._value(means, np.full((4, 1), 0.3), noises, 0.0), values)
+    assert (tuner._acquisition(means, np.full((4, 1), 0.3), noises, 1.0) < values).all()
+    np.testing.assert_array_equal(tuner._acquisition(means, np.full((4, 1), 0.3), noises, 0.0), values)

@@ -149,11 +149,11 @@ class Timed:
         return accepted
 
     def state(self) -> dict[str, Any]:
-        """None: a run of a comparison begins anew if it is interrupted, and keeping the state of thousands would take long."""
+        """Nothing: an interrupted run of a comparison begins anew, so that no state needs to be kept for thousands of runs."""
         return {}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Refused: there is nothing to go on from."""
+        """Refused: no state has been kept."""
         raise NotImplementedError
 
 
@@ -173,7 +173,7 @@ class RunJournal(Journal):
 
 @dataclass
 class _Progress:
-    """What is kept of a run while it lasts."""
+    """A run that is under way."""
 
     cell: Cell
     seed: int
@@ -182,7 +182,7 @@ class _Progress:
     curve: list[tuple[int, float]] = field(default_factory=list)
 
     def follow(self, batch: Batch) -> None:
-        """Note the best candidate if its completion is another than before."""
+        """Add a point to the curve if the completion of the best candidate has changed."""
         if not self.curve or self.curve[-1][1] != batch.best.completion:
             self.curve.append((batch.flights, batch.best.completion))
 
@@ -211,7 +211,7 @@ def _begin(cell: Cell, scenario: Scenario, guess: Parameters, seed: int) -> _Pro
 
 
 def _end(batch: Batch, progress: _Progress) -> Run:
-    """What became of a run."""
+    """The summary of a run that has ended."""
     cell, validation = progress.cell, batch.validation
     return Run(
         race=cell.race.name,
@@ -243,7 +243,7 @@ def budget_of(tuner: str, budgets: Mapping[str, int]) -> int:
 
 
 def missing(cells: Sequence[Cell], done: Mapping[tuple[str, int], Run], processes: int) -> list[Group]:
-    """What is not done yet, in groups that are flown in lockstep, so that the lanes are full; the longest first.
+    """Runs that are missing, in groups that are flown in lockstep, so that the lanes are full; the longest first.
 
     Args:
         cells: all that is asked for, with the same settings but for the budget.

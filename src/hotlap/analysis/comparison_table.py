@@ -1,4 +1,4 @@
-"""What a comparison says: a row for each tuner on each race, and over all races."""
+"""Comparison table: a row for each tuner on each race, and for each tuner over all races."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Fastest: the plan that can be flown soonest, and the parameters that fly it.
+"""Fastest: the plan of shortest lap time that can be flown reliably, and the controller parameters that fly it.
 
-A clocked reference fixes the lap, so parameters alone hardly move it. Around the tuning there is a search over what the planner may use:
-v_max, how far from a gate it may pass, and how much thrust it may spend. A faster plan leaves less to correct with; the fastest one whose
-controller still holds is what is looked for. Compass search (Kolda, Lewis, Torczon, SIAM Review 45, 2003): from the best plan so far a
-step both ways along each axis, in logarithms; the best of those that hold is the next centre, and where there is none, steps are halved.
+The reference is a function of time, so the parameters alone hardly change the lap time. An outer search varies the settings of the
+planner (v_max, the tolerance at the gates, the thrust it may use), and each plan is tuned. A faster plan leaves less thrust for feedback;
+wanted is the fastest that is still reliable. Compass search (Kolda, Lewis, Torczon, SIAM Review 45, 2003): from the best plan so far one
+step up and down along each axis, in logarithms; the best reliable one is the next centre, and if there is none, the steps are halved.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ NEAREST_GATE = 0.9  # share of the judge's distance that a plan may pass a gate 
 WIDEST, FASTEST = 5.0, 200.0  # m and m/s, that a race may be planned with
 FULL = 0.95  # share of the controller's largest thrust that a plan may use, as where a race does not say
 GAIN = 1e-3  # least share by which a lap must be shorter to go on from there
-CHOSEN, FRESH = 500_000, 600_000  # first of the flights that plans are ranked by, and of those that the winner must hold in too
+CHOSEN, FRESH = 500_000, 600_000  # first of the flights that plans are ranked by, and of those that the winner is judged by again
 
 
 Do = Callable[[Mapping[str, "Trial"]], Mapping[str, dict[str, Any]]]
@@ -43,7 +43,7 @@ Do = Callable[[Mapping[str, "Trial"]], Mapping[str, dict[str, Any]]]
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """What the planner may use, beside a race's own settings.
+    """Settings of the planner that the search varies.
 
     Attributes:
         v_max: [m/s] of its drag; None where the race does not say.
@@ -57,15 +57,15 @@ class PlanSettings:
 
     @property
     def key(self) -> str:
-        """Rounded, so that a step there and back is where it began."""
+        """Rounded values: a step up and the same step down give the same key."""
         return f"v_max {'-' if self.v_max is None else f'{self.v_max:.4g}'}, tolerance {self.tolerance:.4g}, thrust {self.thrust:.4g}"
 
     def moved(self, axis: str, factor: float) -> PlanSettings:
-        """One of them multiplied."""
+        """The same with one setting multiplied."""
         return replace(self, **{axis: getattr(self, axis) * factor})
 
     def applied(self, race: Race) -> Race:
-        """The race planned so."""
+        """The race, to be planned with these settings."""
         planned = race.planning_model
         low, high = planned.rotor_thrust
         stronger = planned.model_copy(update={"rotor_thrust": (low, high * self.thrust)})
@@ -75,14 +75,14 @@ class PlanSettings:
 
 @dataclass(frozen=True)
 class Trial:
-    """A plan to try.
+    """A plan to be tuned, or judged.
 
     Attributes:
         race: what is flown, with its own planning.
         plan_settings: what is planned with.
         tuner: algorithm with preset.
-        settings: of the tuning; a plan holds by as many further flights as its validation has.
-        begin: K parameters to begin with, the mean over segments of those of the best plan so far; None for the learned guess.
+        settings: of the tuning; the plan is judged by as many flights again as its validation has.
+        begin: K parameters of the first guess, the mean over segments of those of the best plan so far; None for the learned guess.
         parameters: of each segment, to be judged; empty while they are looked for.
         training: fingerprint of what the guess is learnt from.
     """
@@ -97,7 +97,7 @@ class Trial:
 
 
 def first_plan_settings(race: Race) -> PlanSettings:
-    """The race's own."""
+    """The planner settings that the race has."""
     return PlanSettings(race.planning.v_max, race.planning.tolerance)
 
 
@@ -142,7 +142,7 @@ def try_plan(trial: Trial) -> Iterator[dict[str, Any]]:
 
 
 def judge_plan(trial: Trial) -> Iterator[dict[str, Any]]:
-    """The winner once more, K parameters of each segment in `trial.parameters`, with noise that it was not chosen by."""
+    """Fly the winner, K parameters of each segment in `trial.parameters`, with noise other than that it was chosen by."""
     scenario = prepare(trial.plan_settings.applied(trial.race))
     seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, FRESH, max(trial.settings.validation, 1))
     rate, lap = _flown(Objective(scenario, built_in_world()), np.array(trial.parameters), seeds)
@@ -155,29 +155,29 @@ def _flown(objective: Objective, parameters: Parameters, seeds: NDArray[np.int64
     return float(scores.complete.mean()), float(np.nanmean(scores.lap_time)) if scores.complete.any() else None
 
 
-def holds(result: dict[str, Any]) -> bool:
-    """Whether what was tried counts."""
+def is_reliable(result: dict[str, Any]) -> bool:
+    """Whether enough flights of a plan have passed every gate."""
     return result["lap"] is not None and result["rate"] >= RELIABLE
 
 
 def best_of(results: Sequence[tuple[PlanSettings, dict[str, Any]]]) -> tuple[PlanSettings, dict[str, Any]] | None:
-    """The soonest that holds; the first among equals."""
-    good = [pair for pair in results if holds(pair[1])]
+    """The reliable plan of shortest lap time; the first among equals."""
+    good = [pair for pair in results if is_reliable(pair[1])]
     return min(good, key=lambda pair: pair[1]["lap"]) if good else None
 
 
 def fastest(
     race: Race, tuner: str, settings: TuningSettings, do: Do, judge: Do, most_rounds: int = 40
 ) -> tuple[PlanSettings, dict[str, Any]] | None:
-    """The search; None where no plan can be flown that holds.
+    """The search: the best plan settings, with what was found by them; None where no plan can be flown reliably.
 
     Args:
         race: its planning is where the search begins; where that cannot be flown, slower plans come first.
         tuner: algorithm with preset.
         settings: of each tuning.
-        do: tries plans, by keys, and gives what `try_plan` says of each.
-        judge: flies plans once more, by keys, and gives what `judge_plan` says of each: the soonest of many is chosen by luck too, so
-            that the winner is the soonest that holds in these flights as well.
+        do: tunes plans, by keys, and gives what `try_plan` finds of each.
+        judge: flies plans again, by keys, and gives what `judge_plan` finds of each. The fastest of many is partly chosen by luck, so the
+            winner is the fastest that is reliable in these flights too.
         most_rounds: of trials, before it ends.
     """
     centre, shrunk, best, nearest = first_plan_settings(race), 1.0, None, (-1.0, -1.0)
@@ -187,12 +187,12 @@ def fastest(
         done = do(trials)
         results = [(trial.plan_settings, done[key]) for key, trial in trials.items()]
         found, moved = best_of(results), False
-        ranked += [pair for pair in results if holds(pair[1])]
+        ranked += [pair for pair in results if is_reliable(pair[1])]
         if found and (best is None or found[1]["lap"] < (1 - GAIN) * best[1]["lap"]):
             best, centre, moved = found, found[0], True
         elif best is None:
             for plan_settings, result in results:
-                near = result["rate"], result["planned"] or 0.0  # where none holds, the most reliable, then the slowest
+                near = result["rate"], result["planned"] or 0.0  # where none is reliable, the most successful, then the slowest
                 if near > nearest:
                     nearest, centre, moved = near, plan_settings, True
         if not moved:
@@ -205,16 +205,16 @@ def fastest(
             f"{plan_settings.key}, after {centre.key}": Trial(race, plan_settings, tuner, settings, begin) for plan_settings in around
         }
         tried |= {plan_settings.key for plan_settings in around}
-    return _held(race, tuner, settings, sorted(ranked, key=lambda pair: pair[1]["lap"]), judge)
+    return _first_reliable(race, tuner, settings, sorted(ranked, key=lambda pair: pair[1]["lap"]), judge)
 
 
-def _held(
+def _first_reliable(
     race: Race, tuner: str, settings: TuningSettings, ranked: Sequence[tuple[PlanSettings, dict[str, Any]]], judge: Do
 ) -> tuple[PlanSettings, dict[str, Any]] | None:
-    """The first that holds in other flights too, with what these say of it."""
+    """The first that is reliable in other flights too, with what was found by these."""
     for plan_settings, result in ranked:
         key = f"{plan_settings.key}, once more"
         again = judge({key: Trial(race, plan_settings, tuner, settings, parameters=tuple(map(tuple, result["parameters"])))})[key]
-        if holds(again):
+        if is_reliable(again):
             return plan_settings, {**result, **again}
     return None

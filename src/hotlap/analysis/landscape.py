@@ -1,4 +1,4 @@
-"""Landscape: completion as a function of two parameters, the others held."""
+"""Landscape: completion as a function of two parameters, the others fixed."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ TOGETHER = 2000  # flights in a batch, so that every thread has its share
 
 @dataclass(frozen=True)
 class Landscape:
-    """A map.
+    """Which map of completion is wanted.
 
     Attributes:
         race: what is flown.
         x, y: names of the parameters that vary, the same in all segments.
         points: along each, evenly in logarithms from bound to bound.
         flights: at each point, with the same noise at all of them.
-        held: K parameters, of which the others are taken; empty for the controller's default.
+        fixed: K parameters that give the values of the others; empty for the controller's default.
     """
 
     race: Race
@@ -38,7 +38,7 @@ class Landscape:
     y: str
     points: int = 50
     flights: int = 4
-    held: tuple[float, ...] = ()
+    fixed: tuple[float, ...] = ()
 
 
 def axes(scenario: Scenario, wanted: Landscape) -> tuple[Floats, Floats]:
@@ -60,7 +60,7 @@ def survey(scenario: Scenario, world: World, wanted: Landscape, watch: Callable[
     """
     space = scenario.space
     x, y = axes(scenario, wanted)
-    grid = np.tile(np.array(wanted.held) if wanted.held else space.default, (wanted.points, wanted.points, 1))
+    grid = np.tile(np.array(wanted.fixed) if wanted.fixed else space.default, (wanted.points, wanted.points, 1))
     grid[:, :, space.names.index(wanted.x)] = x
     grid[:, :, space.names.index(wanted.y)] = y[:, None]
     objective, parts = Objective(scenario, world), []
@@ -76,5 +76,5 @@ def survey(scenario: Scenario, world: World, wanted: Landscape, watch: Callable[
 
 
 def draw_survey(wanted: Landscape) -> Iterator[list[list[float]]]:
-    """The same as a piece of work, rounded to a thousandth."""
+    """The map as a piece of work for `ResumableJobs`, rounded to a thousandth."""
     yield np.round(survey(prepare(wanted.race), built_in_world(), wanted), 3).tolist()

@@ -55,7 +55,7 @@ LATE = 0.03  # s, of the racer whose controller does not know it
 
 @dataclass(frozen=True)
 class Lesson:
-    """A race to learn from, and who flies it."""
+    """A race to learn from, and the name of its vehicle."""
 
     race: Race
     vehicle: str
@@ -67,7 +67,7 @@ class Lesson:
 
     @property
     def key(self) -> str:
-        """Changes with everything in the race, and with how it is tuned."""
+        """A text that changes with the race and with the settings of its tuning."""
         return f"{self.race.fingerprint} {TUNER} {SEEDS} {BUDGET} {CONFIRM} {VALIDATION} {FLIGHTS}"
 
 
@@ -93,7 +93,7 @@ def race_of(vehicle: str, track: Track, v_max: float) -> Race:
 
 
 def _flown_by(vehicle: str) -> Race:
-    """A race to take everything but track and speed from."""
+    """The race that gives everything but track and speed."""
     base = load_race("airsim-circle-34" if vehicle == "airsim" else "circle-34")
     if vehicle == "hummingbird":  # its controller knows the dead time
         return base.model_copy(update={"model": base.control_model.model_copy(update={"delay": base.vehicle.delay})})
@@ -125,7 +125,7 @@ class TunedRace(Described):
 
     @property
     def candidates(self) -> tuple[tuple[float, ...], ...]:
-        """Everything that came out of it."""
+        """All parameters that were found."""
         return (*self.optima, *([self.tuned] if self.tuned else []))
 
 
@@ -179,7 +179,7 @@ def candidates_of(tuned: Iterable[TunedRace], default: Iterable[float]) -> tuple
 def assemble(
     lessons: Sequence[Lesson], tuned: Sequence[TunedRace], candidates: tuple[tuple[float, ...], ...], flown: Sequence[tuple[str, str]]
 ) -> TrainingSet:
-    """Everything together, for lessons that have a plan."""
+    """The training set of all lessons that have a plan."""
     races = tuple(
         TrainingRace(
             track=lesson.race.track.name,
@@ -217,7 +217,7 @@ def _completions(objective: Objective, candidates: Sequence[Sequence[float]], fl
 
 
 def built_in_world() -> World:
-    """The built-in one; with one thread where there is a worker for each processor."""
+    """The built-in world; with one thread where there is a worker process for each processor."""
     world = BuiltIn()
     if parent_process() is not None:
         world.threads = 1

@@ -28,7 +28,7 @@ Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None
 
 
 @contextmanager
-def unseen(_unit: str, _wanted: int, _done: int) -> Iterator[Callable[[str], None]]:
+def no_progress(_unit: str, _wanted: int, _done: int) -> Iterator[Callable[[str], None]]:
     """Progress that shows nothing."""
     yield lambda _words: None
 
@@ -38,13 +38,13 @@ def describe_run(run: Run) -> str:
     return f"{run.race} by {run.tuner}"
 
 
-def digest_code(module: str) -> str:
+def digest_code(source: str | Path) -> str:
     """Sixteen hexadecimal digits that change with the source code that decides about a result.
 
     Args:
-        module: dotted name of the one that computes it, beside `SOURCES`.
+        source: dotted name or path of the module that computes it, beside `SOURCES`.
     """
-    return digest_sources(*SOURCES, module)
+    return digest_sources(*SOURCES, source)
 
 
 @dataclass
@@ -60,7 +60,7 @@ class ResumableJobs:
 
     folder: Path
     processes: int = 0
-    progress: Progress = unseen
+    progress: Progress = no_progress
     note: Callable[[str], None] = lambda _line: None
     _warned: bool = field(default=False, init=False)
 

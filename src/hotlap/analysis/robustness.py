@@ -1,4 +1,4 @@
-"""Will it hold? Tuned parameters flown by vehicles that differ a little from the one they were tuned on."""
+"""Robustness: tuned parameters flown by vehicles that differ a little from the one that they were tuned on."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Robustness:
-    """How parameters fare under one change.
+    """Success rate of parameters under one change of the vehicle or the noise.
 
     Attributes:
         change: in words.
@@ -49,7 +49,7 @@ def _later(seconds: float) -> Callable[[Floats], Floats]:
     """Vehicle parameters with more dead time."""
 
     def change(vehicle_parameters: Floats) -> Floats:
-        """The vehicle parameters with that much more."""
+        """Vehicle parameters with so much more dead time."""
         changed = vehicle_parameters.copy()
         changed[VEHICLE_PARAMETERS.index("delay")] += seconds
         return changed

@@ -1,4 +1,4 @@
-"""Sensitivity: what becomes of completion when one tuned parameter is multiplied, everywhere or in one segment alone."""
+"""Sensitivity: completion when one tuned parameter is multiplied by a factor, in all segments or in one alone."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Sensitivity:
 
 
 def survey_sensitivity(scenario: Scenario, world: World, parameters: Parameters, seed: int, flights: int = FLIGHTS) -> Sensitivity:
-    """Fly parameters, shape (S, K), with each of them changed in turn.
+    """Fly parameters, shape (S, K), changing one of them at a time.
 
     Args:
         scenario: what they were tuned on.

@@ -24,7 +24,7 @@ RACE = "circle-34"
 SPREAD = 0.5  # of the logarithm of each parameter around the default: what a tuner meets
 LANE_FLIGHTS, SCALAR_FLIGHTS, RANDOM_FLIGHTS = 256, 24, 1000
 REPEATS = 5
-STAGES = 6  # that `measure` tells of
+STAGES = 6  # that `measure` reports
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def measure(report: Callable[[str], None]) -> Bench:
     """Measure for some seconds; the first time on a machine, compile for a minute.
 
     Args:
-        report: told what is being done, as each of `STAGES` begins.
+        report: called with a few words as each of `STAGES` begins.
     """
     scenario, lanes, threads = prepare(RACE), best_numbers(), available()
     rng = np.random.default_rng(0)

@@ -186,7 +186,7 @@ def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
 
 def _write_page(folder: Path, runs: Sequence[Run], pictures: Sequence[Path], asked: Asked) -> Path | None:
     """The same as one page that opens anywhere."""
-    from hotlap.report.comparison import compose_article  # noqa: PLC0415  only where there is something to show
+    from hotlap.report.comparison_article import compose_article  # noqa: PLC0415  only where there is something to show
 
     try:
         replace(folder / PAGE, compose_article(runs, pictures, RunJournal.file, asked.command()).html)

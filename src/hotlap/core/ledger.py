@@ -15,7 +15,7 @@ from hotlap.core.seeds import Stream
 
 @dataclass(frozen=True)
 class Ledger:
-    """F flights with what they were flown for.
+    """F flights, with the purpose of each.
 
     Attributes:
         numbers: shape (F,) from 0 in the order flown; search and confirmation are numbered together, validation by itself.
@@ -52,7 +52,7 @@ class Ledger:
         return Ledger(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     def accept(self, accepted: NDArray[np.bool_]) -> Ledger:
-        """The same flights, with what the tuner made of them."""
+        """The same flights, with the tuner's verdicts, shape (F,)."""
         return replace(self, accepted=accepted)
 
     @staticmethod
@@ -62,14 +62,14 @@ class Ledger:
 
 
 def enter(first: int, stream: Stream, parameters: Parameters, seeds: NDArray[np.int64], scores: Scores) -> Ledger:
-    """Flights that were flown together.
+    """The rows of flights that were flown together.
 
     Args:
         first: number of the first one.
         stream: what they were flown for.
         parameters: shape (F, S, K).
         seeds: shape (F,).
-        scores: what they were worth.
+        scores: of each flight.
     """
     count = len(seeds)
     return Ledger(

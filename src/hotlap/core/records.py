@@ -1,4 +1,4 @@
-"""Flights: what a batch of flights did. Scores: what it was worth."""
+"""Flights: what happened in a batch of flights. Scores: costs, completion and errors of each."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Log:
 
 @dataclass(frozen=True)
 class Flights:
-    """What B flights over M gates did.
+    """What happened in B flights over M gates.
 
     Attributes:
         seeds: shape (B,).
@@ -81,19 +81,20 @@ class Flights:
 
 @dataclass(frozen=True)
 class Scores:
-    """What B flights were worth.
+    """Costs, completion and errors of B flights.
 
     Attributes:
         cost: shape (B,), less is better: the metric m of the paper by default.
         completion: shape (B,), gates passed / gates, 0 to 1.
         failed_segment: shape (B,) segment of the first missed gate; -1 where all were passed.
         gate_distance: shape (B, M) [m] as the rule measures it; NaN where the flight did not get there.
-        gate_miss: shape (B, M), logarithm of that distance over the judge's: below 0 where a gate was passed, NaN where the flight did not
-            get there; a tuner hears the mean over a candidate's flights that did; shape (B, 0) where the cost is not made of gates.
+        gate_miss: shape (B, M), log(gate_distance / the judge's distance): negative where the gate was passed, NaN where the flight did not
+            get there. In the scores reported to a tuner it is the mean over those flights of a candidate that got there. Shape (B, 0)
+            where the cost is not computed from gates.
         gate_segment: shape (B, M), the segment that each gate lies in; shape (B, 0) likewise.
         mean_error, max_error: shape (B,) [m].
         lap_time: shape (B,) [s] of complete flights; NaN for the others.
-        dense: shape (B,), less is better: a cost that tells how far every gate was missed, not only the first.
+        dense: shape (B,), less is better: a cost that depends on the distance from every gate, not only from the first that was missed.
     """
 
     cost: Floats
@@ -122,7 +123,7 @@ class Scores:
 
     @staticmethod
     def of_costs(costs: Floats) -> Scores:
-        """What a tuner needs to know of anything that is not a flight: costs of shape (B,), less is better; they name no segment."""
+        """Scores of evaluations that are no flights, from costs of shape (B,), less is better; no gates and no failed segment."""
         costs = np.asarray(costs, dtype=np.float64)
         none = np.full(len(costs), np.nan)
         return Scores(
@@ -139,7 +140,7 @@ class Scores:
         )
 
     def with_costs(self, costs: Floats) -> Scores:
-        """The same flights with other costs, shape (B,), which are not made of gates."""
+        """The same flights with other costs, shape (B,), which are not computed from gates."""
         return replace(self, cost=costs, dense=costs, gate_miss=self.gate_miss[:, :0], gate_segment=self.gate_segment[:, :0])
 
     @property

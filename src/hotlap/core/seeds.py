@@ -1,4 +1,4 @@
-"""Seeds: which noise a flight gets, from the run's seed and the flight's number alone."""
+"""Seeds: the seed of a flight's noise, from the run's seed and the flight's number alone."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FLIGHTS_A_STREAM = 1_000_000
 
 
 class Stream(IntEnum):
-    """What a flight is flown for; no two streams share a seed."""
+    """The purpose of a flight; no two streams share a seed."""
 
     SEARCH = 0
     CONFIRMATION = 1

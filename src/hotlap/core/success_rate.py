@@ -1,4 +1,4 @@
-"""Validation: how often tuned parameters succeed, flown with fresh noise that the search never met."""
+"""Success rate: the share of validation flights that succeed, with its confidence interval."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 FLIGHTS = 200
-RELIABILITY = 0.9  # least rate of a result that holds; see docs/tuners.md, "How many re-flights make a controller hold"
+RELIABILITY = 0.9  # least success rate of a reliable result; see docs/tuners.md, "How many re-flights make a controller hold"
 Z_95 = 1.959963984540054  # the normal quantile of a two-sided 95 % interval
 
 
@@ -34,7 +34,7 @@ class Validation:
 
 
 def wilson_interval(successes: int, flights: int, z: float = Z_95) -> tuple[float, float]:
-    """Score interval of a rate (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927); honest also at rates of 0 and 1.
+    """Score interval of a rate (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927); it covers well also at rates of 0 and 1.
 
     Args:
         successes: of `flights`.

@@ -1,1 +1,1 @@
-"""First guess: where a search begins, learnt from races that were tuned before (Sec. IV-D of the paper, and a simpler way)."""
+"""First guess: initial parameters of a search, learnt from races that were tuned before, as in Sec. IV-D of the paper or by a vote."""

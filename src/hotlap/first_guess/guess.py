@@ -1,4 +1,4 @@
-"""Guess: where a search begins, by name."""
+"""Guess: the initial parameters of a search, by the name of the method."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Method = Callable[[Scenario, TrainingSet], Parameters]
 
 
 def voted(scenario: Scenario, training: TrainingSet) -> Parameters:
-    """What flew best in the training races that are like this one, the same in all segments, shape (S, K)."""
+    """The parameters that flew best in similar training races, the same in all segments, shape (S, K)."""
     chosen = vote(training, race_features(scenario, training.race_features))
     return np.tile(chosen, (len(scenario.segments), 1))
 
@@ -28,19 +28,19 @@ METHODS: Mapping[str, Method] = {LEARNED: voted, PAPER: Regression()}
 
 
 def first_guess(scenario: Scenario, name: str = LEARNED, training: TrainingSet | None = None) -> Parameters:
-    """Where a search begins.
+    """The initial parameters of a search.
 
     Args:
-        scenario: what is to be flown.
+        scenario: race, reference and segments to be flown.
         name: "learned", by vote; "paper", by gradient boosting for each class of segments; "default", the controller's default.
-        training: what it is learnt from; None: what comes with hotlap.
+        training: races that were tuned before; None: the training set that comes with hotlap.
 
     Returns:
-        Shape (S, K), within the bounds; the default where nothing was learnt about the scenario's controller.
+        Shape (S, K), within the bounds; the default where the training set is for another controller.
 
     Raises:
-        UnknownNameError: there is no guess of that name.
-        ValueError: for "paper", where no training race holds.
+        UnknownNameError: there is no method of that name.
+        ValueError: for "paper", where no training race has validated parameters.
     """
     if name not in NAMES:
         raise UnknownNameError("first guess", name, NAMES, key="first_guess")
@@ -52,12 +52,12 @@ def first_guess(scenario: Scenario, name: str = LEARNED, training: TrainingSet |
 
 
 def teaches(training: TrainingSet, scenario: Scenario) -> bool:
-    """Whether a training set is about the parameters of a scenario's controller."""
+    """Whether a training set has the parameters of a scenario's controller."""
     return training.names == scenario.space.names
 
 
 def guess_by(method: Method, scenario: Scenario, training: TrainingSet) -> Parameters:
-    """What a method says, in the units of the scenario's controller and within its bounds."""
+    """The result of a method, shape (S, K), in the units of the scenario's controller and within its bounds."""
     values = np.array(method(scenario, training))
     if "horizon" in training.names:
         values[:, training.names.index("horizon")] *= training.horizon_unit / scenario.race.controller.horizon_unit

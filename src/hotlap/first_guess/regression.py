@@ -1,7 +1,7 @@
 """Regression: parameters of each segment predicted from features of its pieces, one regressor for each class (Sec. IV-D of the paper).
 
-What is learnt is the logarithm of parameters, and from the vehicle alone that is most like the race's, as in the paper, whose
-training flights are those of its drone.
+The regressors predict logarithms of parameters. They learn only from the races of the vehicle that is most similar to the race's, as in
+the paper, whose training flights are those of its drone.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from hotlap.reference.scenario import Scenario
 
 Floats = NDArray[np.float64]
 
-VALIDATED = 0.9  # least share of fresh flights that a race's parameters must hold in to be learnt from
+VALIDATED = 0.9  # least success rate in fresh flights of the parameters of a training race
 NEIGHBOURS = 5
 
 
@@ -54,15 +54,15 @@ def _nearest() -> Any:
 
 
 class _Median:
-    """The median, whatever the features."""
+    """A regressor that predicts the median of all values, whatever the features."""
 
     def fit(self, _: Floats, values: Floats) -> _Median:
-        """Values of shape (n, K)."""
+        """Store the median of values of shape (n, K)."""
         self._median = np.median(values, axis=0)
         return self
 
     def predict(self, features: Floats) -> Floats:
-        """Shape (m, K), for features of shape (m, F)."""
+        """The median, shape (m, K), for features of shape (m, F)."""
         return np.tile(self._median, (len(features), 1))
 
 
@@ -77,23 +77,23 @@ REGRESSORS: Mapping[str, Callable[[], Any]] = {
 
 @dataclass(frozen=True)
 class Regression:
-    """How parameters are predicted.
+    """A regressor and its features.
 
     Attributes:
         regressor: a name in `REGRESSORS`; the paper's is gradient boosting with default settings.
-        features: of a piece; the paper's are five.
+        features: names of the features of a piece; the paper has five.
     """
 
     regressor: str = "boosting"
     features: tuple[str, ...] = PAPER
 
     def __call__(self, scenario: Scenario, training: TrainingSet) -> Parameters:
-        """Predict, shape (S, K); a class that no training race has is predicted from all classes.
+        """Predicted parameters, shape (S, K); a class that no training race has is predicted from the pieces of all classes.
 
         Raises:
-            ValueError: there is no race to learn from.
+            ValueError: no training race has validated parameters.
         """
-        races = taught(training, race_features(scenario, training.race_features))
+        races = validated_races(training, race_features(scenario, training.race_features))
         rows = piece_features(scenario, self.features)
         kinds = [piece.kind for piece in scenario.segments.pieces]
         predicted = np.empty((len(kinds), len(training.names)))
@@ -104,7 +104,7 @@ class Regression:
         return np.exp(_of_segments(scenario, predicted))
 
     def _table(self, training: TrainingSet, races: Sequence[TrainingRace], kind: str) -> tuple[Floats, Floats]:
-        """Features and logarithms of parameters of a class, or of all where it has none: shape (n, F) and (n, K)."""
+        """Features, shape (n, F), and logarithms of parameters, shape (n, K), of the pieces of a class, or of all where there are none."""
         columns = [training.piece_features.index(name) for name in self.features]
         found = [(piece, race) for race in races for piece in race.pieces if piece.kind == kind]
         found = found or [(piece, race) for race in races for piece in race.pieces]
@@ -112,13 +112,13 @@ class Regression:
         return features, np.log(np.array([race.tuned for _, race in found]))
 
     def _fitted(self, features: Floats, values: Floats) -> Any:
-        """A regressor that has learnt; of few rows, which cannot be told apart, the median."""
+        """The fitted regressor; the median where there are at most `NEIGHBOURS` rows."""
         few = len(features) <= NEIGHBOURS
         return (_Median() if few else REGRESSORS[self.regressor]()).fit(features, values)
 
 
-def taught(training: TrainingSet, features: Floats) -> list[TrainingRace]:
-    """Tuned races of the vehicle that is most like the race's.
+def validated_races(training: TrainingSet, features: Floats) -> list[TrainingRace]:
+    """Training races with validated parameters, of the vehicle whose features are nearest to the race's.
 
     Raises:
         ValueError: there is none.

@@ -1,4 +1,4 @@
-"""TrainingSet: races that were tuned, and how well each of many parameters flew every one of them."""
+"""TrainingSet: races that were tuned, and the success rate of each of many parameter sets in every one of them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class TrainingPiece(Described):
     """A piece of a reference, as the paper's rule cuts it.
 
     Attributes:
-        kind: its class.
+        kind: class of the piece.
         features: in the order of `TrainingSet.piece_features`.
     """
 
@@ -41,15 +41,16 @@ class TrainingRace(Described):
     """A race that was tuned.
 
     Attributes:
-        track: what was flown; the same track flown by several vehicles has one name.
-        vehicle: who flew it.
-        v_max: [m/s] of its plan; None where it was not bounded so.
+        track: name of the track, the same for all vehicles that flew it.
+        vehicle: name of the vehicle.
+        v_max: [m/s] limit of the speed in its plan; None where there was none.
         features: in the order of `TrainingSet.race_features`.
-        pieces: of its reference.
-        tuned: K parameters, the same in all segments: the steadiest of its confirmed tunings and of their median; None without any.
-        validated: share of the flights by which it was chosen in which `tuned` passes every gate, so a little too high; 0 without.
+        pieces: pieces of its reference.
+        tuned: K parameters, the same in all segments: of its confirmed tunings and of their median those of highest success rate; None
+            without any.
+        validated: success rate of `tuned` in the flights by which it was chosen, so a little too high; 0 without.
         own: indices of the candidates that come from its tunings.
-        passed: a digit for each candidate: in how many of the flights it passed every gate.
+        passed: a digit for each candidate: number of flights in which it passed every gate.
         completed: a digit for each candidate: mean completion of its flights, in ninths, rounded down.
     """
 
@@ -66,15 +67,15 @@ class TrainingRace(Described):
 
 
 class TrainingSet(Described):
-    """What first guesses are learnt from.
+    """Races from which first guesses are learnt.
 
     Attributes:
         provenance: version and settings of the tuning.
-        names: of the K parameters.
-        horizon_unit: [s] of the races' controllers.
-        piece_features: names, of `features.OF_A_PIECE`.
-        race_features: names, of `features.OF_A_RACE` and `OF_A_PIECE`; the latter of the whole reference.
-        flights: of each candidate in each race, at most nine.
+        names: names of the K parameters.
+        horizon_unit: [s] unit of the horizon of the races' controllers.
+        piece_features: names in `features.OF_A_PIECE`.
+        race_features: names in `features.OF_A_RACE` and `OF_A_PIECE`; the latter are of the whole reference.
+        flights: number of flights of each candidate in each race, at most nine.
         candidates: K parameters each, the same in all segments; first the controller's default.
         races: all of them.
     """
@@ -122,13 +123,13 @@ class TrainingSet(Described):
         return _digits([race.completed for race in self.races]) / DIGITS
 
     def without(self, track: str) -> TrainingSet:
-        """What would be known if a track had never been flown; the controller's default stays a candidate."""
+        """The training set without a track and the candidates tuned on it; the controller's default stays a candidate."""
         races = tuple(race for race in self.races if race.track != track)
         kept = sorted({0, *(index for race in races for index in race.own)})
         place = {index: i for i, index in enumerate(kept)}
 
         def narrowed(race: TrainingRace) -> TrainingRace:
-            """A race with the candidates that are left."""
+            """A race with the remaining candidates."""
             passed, completed = ("".join(digits[i] for i in kept) for digits in (race.passed, race.completed))
             return race.model_copy(update={"passed": passed, "completed": completed, "own": tuple(place[i] for i in race.own)})
 

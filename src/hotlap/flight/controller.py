@@ -59,7 +59,7 @@ class Controller:
         self._begin(self._job, self._settings, self._memory, self._loop)
 
     def command(self, time: float, state: NDArray[np.float64], age: float = 0.0) -> NDArray[np.float64]:
-        """The command for now: one control step; to be called every control period, in order of time.
+        """Compute the command that is to be sent now; to be called once in every control period, in order of time.
 
         Over a known dead time (the model's `delay`) the state is predicted through the commands that were given before.
 
@@ -90,14 +90,14 @@ class Controller:
         return self._loop.history[0, :, 0].copy()
 
     def _attitude(self, time: float) -> NDArray[np.float64]:
-        """The reference's, about now, shape (4,)."""
+        """Attitude of the reference at a time, to the nearest row before it, shape (4,)."""
         row = min(max(int(time / self._settings.table_period), 0), len(self._job.table) - 1)
         return self._job.table[row, 3:7]
 
 
 @cache
 def _steps(kind: ControllerKind) -> tuple[Any, Any]:
-    """Compiled functions that begin, and that do one control step."""
+    """Two compiled functions of a controller: start anew, and one control step."""
     begin, aim, control = CONTROLLERS[kind].begin, CONTROLLERS[kind].aim, CONTROLLERS[kind].control
 
     def begin_one(job: Job, s: Settings, memory: Any, loop: ControlLoop) -> None:
@@ -106,7 +106,7 @@ def _steps(kind: ControllerKind) -> tuple[Any, Any]:
         begin_control_loop(s, loop, 0)
 
     def step_one(job: Job, s: Settings, memory: Any, loop: ControlLoop, piece: int, time: float, elapsed: float) -> int:
-        """Aim and control once; returns the piece of the reference that it is now."""
+        """One control step; returns the piece of the reference whose parameters it has used."""
         now = aim(job, s, memory, loop, 0, 0, piece, time, elapsed)
         control(s, as_numbers(memory, 0), as_numbers(loop, 0))
         return now

@@ -40,7 +40,7 @@ class Effort:
 
     @property
     def useful_share(self) -> float:
-        """0 to 1."""
+        """Share of the control steps that a flight needed, 0 to 1."""
         return self.useful_steps / self.lane_steps if self.lane_steps else 1.0
 
 
@@ -191,7 +191,7 @@ def _memory(period: float, time: float) -> float:
 
 
 def _record(scenario: Scenario, job: Job, gates: Gates, v: Verdicts, log: Sequence[int]) -> Flights:
-    """The judge's verdicts, and the logs, as a record."""
+    """The record of the flights: the judge's results, and the logs."""
     return Flights(
         seeds=job.seeds,
         gates_passed=v.gates_passed,

@@ -23,7 +23,7 @@ FLYING = -1
 
 
 class Gates(NamedTuple):
-    """What is judged, and how.
+    """The gates of a race, and the rule by which flights are judged.
 
     Attributes:
         positions: (M, 3) [m] (world).
@@ -46,7 +46,7 @@ class Gates(NamedTuple):
 
 
 class Verdicts(NamedTuple):
-    """What B flights over M gates did so far: written by the judge alone, row by row. Names as in `Flights`.
+    """Results of B flights over M gates so far; only the judge writes them, one row a flight. Names as in `Flights`.
 
     Attributes:
         clocked: (B,) gates whose reference time has come.
@@ -70,7 +70,7 @@ class Verdicts(NamedTuple):
 
 
 def gates_of(settings: JudgeSettings, positions: NDArray[np.float64], times: NDArray[np.float64], floor: float | None) -> Gates:
-    """The judge of a race.
+    """The gates and the rule of a race, as compiled code takes them.
 
     Args:
         settings: how it is judged.
@@ -94,7 +94,7 @@ def gates_of(settings: JudgeSettings, positions: NDArray[np.float64], times: NDA
 
 
 def new_verdicts(flights: int, gates: int) -> Verdicts:
-    """Of flights that have not begun."""
+    """The results of flights that have not begun."""
 
     def rows(*shape: int, value: float = math.nan) -> NDArray[np.float64]:
         """Real numbers of each flight."""
@@ -123,7 +123,7 @@ def new_verdicts(flights: int, gates: int) -> Verdicts:
 
 @njit(**INLINE)
 def judge(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float, now: Any, reference: Any, fastest_rate: float) -> bool:
-    """Judge one control period of flight i; whether the flight is over.
+    """Judge one control period of flight i; returns whether the flight is over.
 
     Args:
         v: its row i is brought up to date.
@@ -162,7 +162,7 @@ def _distance(a: Any, b: Any) -> float:
 
 @njit(**INLINE)
 def _end(v: Verdicts, i: int, how: int, time: float, position: Any) -> None:
-    """How a flight ended; what comes first counts."""
+    """Record how a flight ended; only the first end counts."""
     if v.end[i] == FLYING:
         v.end[i] = how
         v.end_time[i] = time
@@ -172,7 +172,7 @@ def _end(v: Verdicts, i: int, how: int, time: float, position: Any) -> None:
 
 @njit(**INLINE)
 def _crash(v: Verdicts, i: int, g: Gates, time: float, now: Any, error: float) -> bool:
-    """The flight is over; with every gate behind it, it had finished."""
+    """End a flight by a crash; one that has passed every gate had finished before."""
     if v.gates_passed[i] == len(g.times):
         return _finish(v, i, v.closest_time[i, -1], now)
     if error >= 0:  # not for a NaN
@@ -184,7 +184,7 @@ def _crash(v: Verdicts, i: int, g: Gates, time: float, now: Any, error: float) -
 
 @njit(**INLINE)
 def _finish(v: Verdicts, i: int, lap_time: float, now: Any) -> bool:
-    """The flight is over and complete."""
+    """End a flight that has passed every gate."""
     if v.end[i] == FLYING:
         v.lap_time[i] = lap_time
     _end(v, i, FINISHED, lap_time, now)
@@ -229,7 +229,7 @@ def _clock(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float
 
 @njit(**INLINE)
 def _decide_by_clock(v: Verdicts, i: int, g: Gates, first: int, start: float, before: Any, time: float, now: Any) -> None:
-    """Closer than d at t_r(i), or the flight ends there (Eq. 6)."""
+    """Rule CLOCK: closer than d at t_r(i), or the flight ends there (Eq. 6)."""
     for k in range(first, v.clocked[i]):
         share = (g.times[k] - start) / (time - start)
         place = (
@@ -247,7 +247,7 @@ def _decide_by_clock(v: Verdicts, i: int, g: Gates, first: int, start: float, be
 
 @njit(**INLINE)
 def _decide_by_approach(v: Verdicts, i: int, g: Gates, time: float, now: Any) -> bool:
-    """Closer than d at some time within the window; a lap ends when the drone recedes from the last gate."""
+    """Rule CLOSEST: closer than d at some time within the window; a lap ends when the drone flies away from the last gate."""
     last = len(g.times) - 1
     while v.end[i] == FLYING and v.gates_passed[i] <= last:
         k = v.gates_passed[i]
@@ -264,7 +264,7 @@ def _decide_by_approach(v: Verdicts, i: int, g: Gates, time: float, now: Any) ->
 
 @njit(**INLINE)
 def _decide_at_the_end(v: Verdicts, i: int, g: Gates, time: float, now: Any) -> bool:
-    """Closer than d at some time of the whole flight; nobody looks at the last gate (the released code)."""
+    """Rule RELEASED: closer than d at some time of the whole flight; the last gate is not checked (as in the released code)."""
     last = len(g.times) - 1
     while v.gates_passed[i] < last and v.closest_distance[i, v.gates_passed[i]] < g.distance:
         v.gates_passed[i] += 1

@@ -47,7 +47,7 @@ class Lane(NamedTuple):
 
 
 def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
-    """Fly a queue to its end in this thread; others may do the same at the same time.
+    """Fly all flights of a queue in this thread; other threads may fly flights of the same queue meanwhile.
 
     Returns:
         Control steps of all lanes, and of lanes that flew, shape (2,).
@@ -64,7 +64,7 @@ def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settin
 
 @cache
 def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Callable[..., None]:
-    """The function that flies a queue to its end, for a kind of number and a controller; several threads may call it for one job.
+    """The compiled function (kernel) that flies a queue, for a kind of number and a controller; several threads may call it for one job.
 
     Its arguments are those of `work` below; `effort` counts control steps of all lanes, and of lanes that flew, shape (2,).
     """

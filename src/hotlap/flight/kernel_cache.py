@@ -26,7 +26,7 @@ from numba.core import caching
 from hotlap.system.disk_cache import digest_sources, folder
 
 SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.race", "hotlap.core.records")
-PAUSE, LONGEST_WAIT = 0.1, 180.0  # s between looks for what another process compiles; s until it is compiled here all the same
+PAUSE, LONGEST_WAIT = 0.1, 180.0  # s between two looks for what another process compiles; s after which it is compiled here too
 
 
 def place() -> Path:
@@ -35,7 +35,7 @@ def place() -> Path:
 
 
 class _Locator(caching._CacheLocator):  # noqa: SLF001 - Numba has no public door to its cache
-    """Where a kernel lies, and what makes it stale: nothing, since another source has another place."""
+    """Tells Numba where a kernel lies; kernels never get stale, since other sources have another place."""
 
     def __init__(self, function: Any, label: str) -> None:
         self._function, self._label = function, label
@@ -51,7 +51,7 @@ class _Locator(caching._CacheLocator):  # noqa: SLF001 - Numba has no public doo
 
 
 class _Implementation(caching.CompileResultCacheImpl):
-    """Numba's way of keeping compiled functions, at our place."""
+    """Numba's way to store compiled functions, in our folder."""
 
     def __init__(self, function: Any, label: str) -> None:
         self._locator = _Locator(function, label)
@@ -60,7 +60,7 @@ class _Implementation(caching.CompileResultCacheImpl):
 
 
 class Turn:
-    """The turn to compile a function: one process has it at a time, and it ends with the process, however that ends.
+    """A lock for the compilation of one function: one process holds it at a time, and loses it when it ends, in whatever way.
 
     Args:
         path: of a lock file, which need not exist.
@@ -70,7 +70,7 @@ class Turn:
         self.path, self._lock, self._waits = path, -1, 0
 
     def take(self) -> bool:
-        """Whether this process may compile now: no other does, or it has been at it for too long, or nobody can know."""
+        """Whether this process may compile now: no other does, or has for too long, or files cannot be locked here."""
         if self._lock >= 0:
             return True
         try:
@@ -86,18 +86,18 @@ class Turn:
         return True
 
     def give_back(self) -> None:
-        """Let another process have it."""
+        """Let other processes compile."""
         if self._lock >= 0:
             os.close(self._lock)
             self._lock = -1
 
 
 class KernelCache(caching.FunctionCache):
-    """What a dispatcher takes as its `_cache`; one that cannot be read or written is no error.
+    """The cache of one of Numba's dispatchers; a folder that cannot be read or written is no error, it only compiles again.
 
     Args:
         function: what the dispatcher compiles.
-        label: unlike that of any other function.
+        label: its name in the cache, different from that of any other function.
     """
 
     def __init__(self, function: Any, label: str) -> None:
@@ -141,7 +141,7 @@ class KernelCache(caching.FunctionCache):
         self._turn.give_back()
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
-        """Which function it is, the place and the label say already."""
+        """Numba's key without the code of the function: folder and label say which one it is."""
         return sig, codegen.magic_tuple()
 
     def is_filled(self, codegen: Any) -> bool:
@@ -152,26 +152,31 @@ class KernelCache(caching.FunctionCache):
             return False
         return any(processor == codegen.magic_tuple() and (Path(self._cache_path) / name).exists() for (_, processor), name in kept.items())
 
-    def remark(self, codegen: Any) -> Path:
-        """A file beside what was compiled: its name changes with the compiler and the processor, as Numba's index does."""
+    def check_file(self, codegen: Any) -> Path:
+        """The file beside the compiled code for the result of its self-check, another one for each compiler and processor."""
         made_by = hashlib.sha256(repr((codegen.magic_tuple(), self._impl.locator.get_source_stamp())).encode()).hexdigest()
         return Path(self._cache_path) / f"{self._impl.filename_base}.{made_by[:16]}.txt"
 
 
 def keep(dispatcher: Any, label: str) -> Any:
-    """The same dispatcher, which from now on keeps what it compiles; without a compiler, the same function."""
+    """Let a dispatcher store what it compiles, and load it the next time; without a compiler, nothing changes.
+
+    Args:
+        dispatcher: a function that Numba compiles.
+        label: its name in the cache, different from that of any other function.
+    """
     if hasattr(dispatcher, "py_func"):
         dispatcher._cache = KernelCache(dispatcher.py_func, label)  # noqa: SLF001
     return dispatcher
 
 
 def is_filled(dispatcher: Any) -> bool:
-    """Whether a dispatcher need not compile: it did before, or has no compiler."""
+    """Whether a function is compiled already, here or in the cache."""
     cache = getattr(dispatcher, "_cache", None)
     return cache is None or bool(dispatcher.signatures) or cache.is_filled(dispatcher.targetctx.codegen())
 
 
-def remark_on(dispatcher: Any) -> Path | None:
-    """The file for what is known about a compiled function, which need not exist; None where there is no compiler."""
+def check_file_of(dispatcher: Any) -> Path | None:
+    """The file for the result of a kernel's self-check, which need not exist; None where there is no compiler."""
     cache = getattr(dispatcher, "_cache", None)
-    return None if cache is None else cache.remark(dispatcher.targetctx.codegen())
+    return None if cache is None else cache.check_file(dispatcher.targetctx.codegen())

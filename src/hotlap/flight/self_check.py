@@ -25,7 +25,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
 from hotlap.flight.fly import fly_batch
 from hotlap.flight.kernel import worker
-from hotlap.flight.kernel_cache import remark_on
+from hotlap.flight.kernel_cache import check_file_of
 from hotlap.flight.numbers import Numbers
 from hotlap.race.controllers import ControllerKind
 from hotlap.race.quadrotor import Quadrotor
@@ -64,7 +64,7 @@ JUMP = (1.0, -1.0, 1.0)  # m; a longer one asks for bang-bang, in which a roundi
 
 
 def agrees(numbers: Numbers, kind: ControllerKind) -> bool:
-    """Whether a kernel flies as it should; found out once, then written beside it in the kernel cache.
+    """Whether a kernel passes its self-check, which runs once; the result is written beside the kernel in the cache.
 
     Args:
         numbers: kind of number of the kernel.
@@ -73,22 +73,22 @@ def agrees(numbers: Numbers, kind: ControllerKind) -> bool:
     Raises:
         HotlapError: the interpreter could not be started, or failed.
     """
-    remark = remark_on(worker(numbers, kind))
-    if remark is None:  # there is no compiler that could be wrong
+    result_file = check_file_of(worker(numbers, kind))
+    if result_file is None:  # there is no compiler that could be wrong
         return True
     with suppress(OSError, UnicodeDecodeError):
-        text = remark.read_text(encoding="ascii")
+        text = result_file.read_text(encoding="ascii")
         if text in (AGREES, DIFFERS):
             return text == AGREES
     result = check(numbers, kind)
     with suppress(OSError):
-        remark.parent.mkdir(parents=True, exist_ok=True)
-        remark.write_text(AGREES if result else DIFFERS, encoding="ascii")
+        result_file.parent.mkdir(parents=True, exist_ok=True)
+        result_file.write_text(AGREES if result else DIFFERS, encoding="ascii")
     return result
 
 
 def check(numbers: Numbers, kind: ControllerKind) -> bool:
-    """Fly both, and compare; a kernel that cannot be compiled does not fly as it should.
+    """Run the self-check of a kernel; one that cannot be compiled does not pass.
 
     Args:
         numbers: kind of number of the kernel.
@@ -192,14 +192,14 @@ def arrays_of(answer: bytes) -> list[Floats]:
 
 
 def write_answer(kind: str, lanes: str) -> None:
-    """What the interpreter's process does."""
+    """The program of the interpreter's process: fly, and write logs and errors to the standard output."""
     answer = BytesIO()
     np.savez(answer, *fly_interpreted(ControllerKind(kind), int(lanes)))
     sys.stdout.buffer.write(answer.getvalue())
 
 
 def make_scenario(kind: ControllerKind) -> Scenario:
-    """Hovering, at a place that jumps away after half the time."""
+    """The scenario of the self-check: hover at a place, which jumps away after half of the time."""
     rows, half, end = STEPS + 40, PERIOD * STEPS / 2, PERIOD * STEPS
     position, zeros = np.zeros((rows, 3)), np.zeros((rows, 3))
     position[STEPS // 2 :] = JUMP

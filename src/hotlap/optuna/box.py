@@ -1,4 +1,4 @@
-"""Box: a search space of Optuna as a parameter space of one segment, every axis alike."""
+"""Box: a search space of Optuna as a parameter space of one segment, with the same range on every axis."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from hotlap.core.parameters import ParameterSpace
 
 Floats = NDArray[np.float64]
 
-WIDTH = 5.0  # of every axis in natural logarithms: what tuners make steps of, as wide as the weights of a controller
+WIDTH = 5.0  # of every axis in natural logarithms, about that of the weights of a controller, for which the tuners' steps are made
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One parameter as a share of its range, 0 to 1; of a grid, every point has an equal share.
+    """One parameter as a share of its range, 0 to 1; on a grid, all values have shares of equal width.
 
     Attributes:
-        name: of the parameter.
-        distribution: its range, its grid, and whether it is one of logarithms.
+        name: name of the parameter.
+        distribution: its range and grid, and whether it is logarithmic.
     """
 
     name: str
@@ -34,13 +34,13 @@ class Axis:
 
     @property
     def _ends(self) -> tuple[float, float]:
-        """Of the range, half a step of the grid beyond it; logarithms where it is one of logarithms."""
+        """Ends of the range, extended by half a step of the grid; their logarithms where it is logarithmic."""
         beyond = 0.5 * (self.distribution.step or 0.0)
         low, high = self.distribution.low - beyond, self.distribution.high + beyond
         return (math.log(low), math.log(high)) if self.distribution.log else (low, high)
 
     def encode(self, value: float) -> float:
-        """The share at a value."""
+        """The share of a value."""
         low, high = self._ends
         return ((math.log(value) if self.distribution.log else value) - low) / (high - low)
 
@@ -68,19 +68,19 @@ class Box:
 
     @classmethod
     def of(cls, search_space: Mapping[str, BaseDistribution]) -> Box:
-        """The numeric axes of a search space; others, and those of a single value, are left out."""
+        """The axes of the numeric parameters of a search space that have more than one value."""
         numeric = {name: each for name, each in search_space.items() if isinstance(each, FloatDistribution | IntDistribution)}
         return cls(tuple(Axis(name, each) for name, each in sorted(numeric.items()) if not each.single()))
 
     @property
     def space(self) -> ParameterSpace:
-        """exp(WIDTH * share) of every axis: positive, as tuners want it; a step in logarithms is one along the share."""
+        """Parameters exp(WIDTH * share), which are positive, as tuners need; a step in their logarithms is a step of the share."""
         one = np.ones(len(self.axes))
         return ParameterSpace(tuple(axis.name for axis in self.axes), one, np.exp(WIDTH) * one, np.exp(WIDTH / 2) * one, one)
 
     @property
     def fingerprint(self) -> str:
-        """Changes with anything that a run in it depends on."""
+        """Sixteen hexadecimal digits that change with the name or range of any axis."""
         text = json.dumps([[axis.name, distribution_to_json(axis.distribution)] for axis in self.axes])
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 

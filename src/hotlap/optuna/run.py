@@ -1,4 +1,4 @@
-"""TunerRun: one tuner at work on a study; all that it was told is in the trials, so that any process can bring it up to date."""
+"""TunerRun: one tuner and the trials of a study that it asked for; any process can rebuild it, since the trials hold all its scores."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from hotlap.optuna.box import Box
 
 Floats = NDArray[np.float64]
 
-KEY = "hotlap:run"  # of the note that each trial of a run bears
-FARTHEST = 1e9  # spreads from the origin that a cost may lie
-SAME = 1e-9  # relative difference of values that are called the same
+KEY = "hotlap:run"  # attribute of a trial that holds its note
+FARTHEST = 1e9  # limit of a cost's distance from the best one, in spreads
+SAME = 1e-9  # relative difference up to which values count as equal
 
 
 @dataclass(frozen=True)
 class Origin:
-    """What a run began from: with it and the trials, everything that a run does can be repeated.
+    """Initial conditions of a run: with them and the trials the run can be repeated exactly.
 
     Attributes:
         run: its number within the study.
         tuner: name with preset.
-        space: fingerprint of the box.
-        seed: of its chance, together with `run`.
-        batch: most points that it asks for at once.
-        trial: number of the trial that it begins at, the best of its time.
-        best: its cost, less is better.
-        spread: of the costs known at the time.
+        space: fingerprint of the search space.
+        seed: seed of its random generator, together with `run`.
+        batch: largest number of points that it asks for at once.
+        trial: number of the trial at which it begins, the best one at that time.
+        best: cost of that trial, lower is better.
+        spread: median distance of the costs at that time from the best one.
     """
 
     run: int
@@ -47,9 +47,9 @@ class Origin:
     spread: float
 
     def scaled(self, cost: float) -> float:
-        """A cost as tuners are told it: positive, growing, 1 at the best and about 2.4 a spread above it; infinite for a failure.
+        """The cost that is reported to the tuner: positive, increasing, 1 at the best, about 2.4 one spread above; infinite for a failure.
 
-        Tuners take costs for times: they take logarithms, and some accept what is worse by 1 with a probability of 1/e.
+        Tuners expect costs of the size of lap times: they take logarithms, and some accept a cost higher by 1 with probability 1/e.
         """
         if cost == math.inf:
             return math.inf
@@ -59,12 +59,12 @@ class Origin:
 
 @dataclass(frozen=True)
 class Note:
-    """What a trial says about the run that it belongs to; kept in the study's storage.
+    """The run that a trial belongs to, and its place in it; kept in the study's storage.
 
     Attributes:
-        origin: of the run.
-        ask: which of its asks, from 0.
-        place: among the points of that ask.
+        origin: initial conditions of the run.
+        ask: index of the ask, from 0.
+        place: index of the point in that ask.
     """
 
     origin: Origin
@@ -82,20 +82,20 @@ class Note:
 
     @classmethod
     def of(cls, trial: FrozenTrial) -> Note | None:
-        """The note of a trial, if it bears one."""
+        """The note of a trial; None where it has none."""
         plain = trial.system_attrs.get(KEY)
         return None if plain is None else cls(Origin(**plain["origin"]), plain["ask"], plain["place"])
 
 
 class TunerRun:
-    """A tuner, brought up to date from trials.
+    """A tuner, rebuilt from the trials that it asked for.
 
     Args:
-        origin: what it began from.
-        box: its search space.
-        first: the parameters of the trial that it begins at.
+        origin: initial conditions.
+        box: search space.
+        first: parameters of the trial at which it begins.
 
-    A run asks anew when every point of its last ask has been tried, and is told how those went in the order asked.
+    When all points of an ask have been tried, their scores are reported in the order of the ask, and the tuner is asked again.
     """
 
     def __init__(self, origin: Origin, box: Box, first: Mapping[str, Any]) -> None:
@@ -110,10 +110,10 @@ class TunerRun:
         self._points = self._tuner.ask(self.origin.batch)
 
     def next(self, tried: Mapping[tuple[int, int], tuple[FrozenTrial, float]]) -> tuple[Note, Floats] | None:
-        """The point that nobody tries yet; None while the last ask is under way, or if this is not the run that was recorded.
+        """The next point that is not tried yet; None while all points of the last ask are being tried, or if the recorded run differs.
 
         Args:
-            tried: trials of this run, with their costs, by ask and place; a cost of NaN: not known yet.
+            tried: trials of this run with their costs, by ask and place; the cost is NaN as long as it is not known.
 
         Returns:
             The note for its trial, and parameters, shape (1, K).
@@ -134,18 +134,18 @@ class TunerRun:
             self._asks += 1
 
     def _is_same(self, trial: FrozenTrial, point: Floats) -> bool:
-        """Whether a trial tried what this tuner asks for; not so where another version of it was at work."""
+        """Whether a trial has the parameters that this tuner asks for; not where another version of hotlap asked for them."""
         wanted = self._box.decode(point)
         known = {name: value for name, value in trial.params.items() if name in wanted}
         return all(math.isclose(value, wanted[name], rel_tol=SAME, abs_tol=SAME) for name, value in known.items())
 
 
 def cost_of(trial: FrozenTrial, sign: float) -> float:
-    """Less is better; infinite for a trial that failed or was pruned; NaN for one that has not ended.
+    """Cost of a trial, lower is better; infinite for one that failed or was pruned, NaN for one that has not ended.
 
     Args:
-        trial: of a study with one objective.
-        sign: -1 where it is maximised.
+        trial: trial of a study with one objective.
+        sign: -1 where the objective is maximised.
     """
     if trial.state is TrialState.COMPLETE and trial.value is not None:
         return sign * trial.value

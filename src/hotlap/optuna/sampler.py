@@ -23,28 +23,29 @@ from hotlap.optuna.box import Box
 from hotlap.optuna.run import KEY, Note, Origin, TunerRun, cost_of
 
 DEFAULT = "guided_walk"  # a function has no gates
-SEED = "hotlap:seed"  # of a study, in its storage
-POINT = "hotlap:point"  # that a trial under way tries
-TRIES, WAIT = 50, 0.01  # s: to take a point that no other process takes
+SEED = "hotlap:seed"  # attribute of a study that holds its seed
+POINT = "hotlap:point"  # attribute of a trial that holds the point that it tries
+TRIES, WAIT = 50, 0.01  # attempts to reserve a point that no other process tries, and longest wait [s] after the first
 
 
 class HotlapSampler(BaseSampler):
     """A sampler for numbers, `suggest_float` and `suggest_int`, on a grid or in logarithms; for one objective.
 
-    The first trials are drawn at random; the tuner then begins at the best of them (give your own with `study.enqueue_trial`). What is
-    no number, and what is not in every trial, is drawn at random throughout. A trial that fails or is pruned counts as worse than any.
+    The first trials are drawn at random; the tuner then begins at the best of them (give your own with `study.enqueue_trial`). Parameters
+    that are not numbers, or not in every trial, are always drawn at random. A trial that fails or is pruned counts as worse than any
+    other.
 
-    All that it knows is in the study's storage: another process goes on as this one would have, and several may work at once.
-    With trials in parallel, guided_walk and gate_gp learn from all of them, and take those under way to be average. The other tuners
-    depend on the order in which they are told: trials that run at the same time belong to one ask of up to `batch` points, and where
-    all of these are under way, to another run of the tuner, which begins at the best trial of that time.
+    The whole state is in the study's storage: another process continues as this one would have, and several may work at once.
+    With trials in parallel, guided_walk and gate_gp learn from all of them, and assume the median cost for those that have not ended. The
+    other tuners depend on the order of the reported scores: trials that run at the same time belong to one ask of up to `batch` points;
+    when all of these are being tried, further trials belong to another run of the tuner, which begins at the best trial of that time.
 
     Args:
         tuner: NAME or NAME:PRESET, as of `hotlap tune --tuner`.
-        seed: of all chance; None: the study's, or a new one that is kept in the study.
+        seed: seed of all random numbers; None: that of the study, or a new one that is kept in the study.
         startup: complete trials before the tuner begins, at least 1.
-        batch: most points that a tuner is asked for at once; those that learn from every trial take one.
-        independent_sampler: for what the tuner does not sample; None: at random.
+        batch: largest number of points that a tuner is asked for at once; guided_walk and gate_gp give one.
+        independent_sampler: sampler of the other parameters; None: at random.
 
     Raises:
         UnknownNameError: there is no such tuner.
@@ -68,14 +69,14 @@ class HotlapSampler(BaseSampler):
         self._lock = threading.Lock()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "_runs": {}, "_lock": None}  # runs are brought up to date from the study
+        return {**vars(self), "_runs": {}, "_lock": None}  # runs are rebuilt from the study
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         self._lock = threading.Lock()
 
     def infer_relative_search_space(self, study: Study, trial: FrozenTrial) -> dict[str, BaseDistribution]:
-        """Numbers that were in all complete trials so far; none before there are enough of them.
+        """The numeric parameters of all complete trials; empty before there are `startup` of them.
 
         Raises:
             ValueError: the study has several objectives.
@@ -88,7 +89,7 @@ class HotlapSampler(BaseSampler):
         return {axis.name: axis.distribution for axis in Box.of(intersection_search_space(complete)).axes}
 
     def sample_relative(self, study: Study, trial: FrozenTrial, search_space: dict[str, BaseDistribution]) -> dict[str, Any]:
-        """What the tuner asks for next."""
+        """The parameters that the tuner asks for next."""
         box = Box.of(search_space)
         if not box.axes:
             return {}
@@ -102,12 +103,12 @@ class HotlapSampler(BaseSampler):
             return self._from_all(study, trial, box, costs) if self._learns_from_any else self._from_runs(study, trial, box, costs)
 
     def sample_independent(self, study: Study, trial: FrozenTrial, param_name: str, param_distribution: BaseDistribution) -> Any:
-        """A draw that depends on the seed, the trial and the parameter alone."""
+        """A random value that depends only on the seed, the trial and the parameter."""
         sampler = self._independent or RandomSampler(_small([self._seed_of(study), trial.number, zlib.crc32(param_name.encode())]))
         return sampler.sample_independent(study, trial, param_name, param_distribution)
 
     def reseed_rng(self) -> None:
-        """Nothing of its own: no two trials share their chance."""
+        """Pass on to the independent sampler; the own random numbers of two trials are never the same."""
         if self._independent is not None:
             self._independent.reseed_rng()
 
@@ -122,24 +123,24 @@ class HotlapSampler(BaseSampler):
             self._independent.after_trial(study, trial, state, values)
 
     def _from_all(self, study: Study, trial: FrozenTrial, box: Box, costs: dict[int, float]) -> dict[str, Any]:
-        """Tell a new tuner of every trial, and take its first proposal."""
+        """Report all trials to a new tuner, and take its first proposal."""
         trials = study.get_trials(deepcopy=False)
         points = [box.encode(trials[number].params) for number, cost in costs.items() if not np.isnan(cost)]
         known = _normalised(np.array([cost for cost in costs.values() if not np.isnan(cost)]))
         under_way = [point for each in trials if each.number != trial.number and (point := _tries(each, box)) is not None]
-        lies = np.full(len(under_way), np.median(known[np.isfinite(known)]))
+        assumed = np.full(len(under_way), np.median(known[np.isfinite(known)]))
         tuner = tuners.build(self._tuner)
         tuner.start(points[int(np.argmin(known))], box.space, np.random.default_rng([self._seed_of(study), trial.number]))
-        tuner.tell(np.array(points + under_way), Scores.of_costs(np.append(known, lies)))
+        tuner.tell(np.array(points + under_way), Scores.of_costs(np.append(known, assumed)))
         proposal = tuner.ask(1)[0]
         study._storage.set_trial_system_attr(trial._trial_id, POINT, [box.fingerprint, proposal.tolist()])  # noqa: SLF001  as all samplers do
         return box.decode(proposal)
 
     def _from_runs(self, study: Study, trial: FrozenTrial, box: Box, costs: dict[int, float]) -> dict[str, Any]:
-        """The next point of a run that waits for nothing, or of a new run; noted in the trial.
+        """The next point of a run that has one left, or of a new run; noted in the trial.
 
-        Storages have no way to take a point before others can. So it is noted, then looked for at others; whoever finds it there
-        looks for another point, after a while.
+        A storage cannot reserve a point. So the point is noted first; a process that then finds it in another trial too waits and
+        chooses another point.
         """
         for attempt in range(TRIES):
             note, point = self._next(study, trial, box, costs)
@@ -152,7 +153,7 @@ class HotlapSampler(BaseSampler):
         return {}
 
     def _next(self, study: Study, trial: FrozenTrial, box: Box, costs: dict[int, float]) -> tuple[Note, Any]:
-        """The first point that no other trial bears a note of."""
+        """The first point that is in no other trial's note."""
         trials, sign = study.get_trials(deepcopy=False), _sign(study)
         tried: dict[Origin, dict[tuple[int, int], tuple[FrozenTrial, float]]] = {}
         last = -1
@@ -172,7 +173,7 @@ class HotlapSampler(BaseSampler):
         return found
 
     def _run(self, study: Study, origin: Origin, box: Box, trials: Sequence[FrozenTrial]) -> TunerRun:
-        """A run as far as this process has followed it."""
+        """A run, as far as this process has rebuilt it."""
         key = study._study_id, origin  # noqa: SLF001  names repeat from storage to storage
         if key not in self._runs:
             self._runs[key] = TunerRun(origin, box, trials[origin.trial].params)
@@ -186,7 +187,7 @@ class HotlapSampler(BaseSampler):
         return Origin(run, self._tuner, box.fingerprint, self._seed_of(study), self._batch, best, costs[best], spread)
 
     def _seed_of(self, study: Study) -> int:
-        """The seed of a study: given, or kept in its storage; kept there from now on."""
+        """The seed of a study, given or read from its storage; it is stored there from now on."""
         storage, place = study._storage, study._study_id  # noqa: SLF001  as all samplers do
         kept = storage.get_study_system_attrs(place).get(SEED)
         seed = self._seed if self._seed is not None else kept
@@ -201,12 +202,12 @@ def _sign(study: Study) -> float:
 
 
 def _small(entropy: Sequence[int] | None) -> int:
-    """A seed that any library takes."""
+    """A seed that fits into 32 bits."""
     return int(np.random.SeedSequence(entropy).generate_state(1)[0])
 
 
 def _normalised(costs: np.ndarray) -> np.ndarray:
-    """Costs from 0, with the median at 10, whatever their unit: tuners take logarithms of 1 + cost."""
+    """Costs shifted and scaled to a minimum of 0 and a median of 10, since tuners take the logarithm of 1 + cost."""
     finite = costs[np.isfinite(costs)]
     away = costs - finite.min()
     spread = float(np.median(away[np.isfinite(away)])) or float(np.ptp(finite)) or 1.0
@@ -214,6 +215,6 @@ def _normalised(costs: np.ndarray) -> np.ndarray:
 
 
 def _tries(trial: FrozenTrial, box: Box) -> np.ndarray | None:
-    """The point of this box that a trial tries at the moment, shape (1, K)."""
+    """The point of this search space that a running trial tries, shape (1, K); None for other trials."""
     space, point = trial.system_attrs.get(POINT, ("", None))
     return np.array(point) if trial.state is TrialState.RUNNING and space == box.fingerprint else None

@@ -52,8 +52,8 @@ class ReferenceTime(StrEnum):
     NOW = "now"
 
 
-def _of_kind(values: dict[str, Any], name: str) -> tuple[float, ...]:
-    """Bounds (`low`, `high`) or defaults of the tunable parameters of the chosen kind of controller."""
+def _tunable(values: dict[str, Any], name: str) -> tuple[float, ...]:
+    """Least, largest or first values of the parameters that this kind of controller is tuned by: a field of `Tunable`."""
     return getattr(TUNABLE[values.get("kind", ControllerKind.MPC)], name)
 
 
@@ -101,11 +101,11 @@ class ControllerSettings(Described):
     """from when on it takes the parameters of the next segment."""
     segment_switch_distance: Positive = 6.0
     """[m] how close is close, for the segment_switch "distance"."""
-    low: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "low"))
+    low: tuple[Positive, ...] = Field(default_factory=lambda values: _tunable(values, "low"))
     """least values of what is tuned: Q_pos_xy, Q_pos_z, Q_attitude, Q_velocity, horizon; or of what another kind has."""
-    high: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "high"))
+    high: tuple[Positive, ...] = Field(default_factory=lambda values: _tunable(values, "high"))
     """largest values of the same."""
-    default: tuple[Positive, ...] = Field(default_factory=lambda values: _of_kind(values, "default"))
+    default: tuple[Positive, ...] = Field(default_factory=lambda values: _tunable(values, "default"))
     """first values of the same."""
 
     @model_validator(mode="after")
@@ -224,7 +224,7 @@ class Race(Described):
 
     @property
     def control_model(self) -> Quadrotor:
-        """The quadrotor that the controller's model describes: `model`, or the vehicle itself where no model is given."""
+        """The vehicle as the controller knows it."""
         return self.model or self.vehicle
 
     @property

@@ -1,4 +1,4 @@
-"""Schema: the base class of everything that is written as TOML: frozen, values checked, unknown keys refused."""
+"""The base of every description that can be written as TOML: frozen, checked, unknown keys refused."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class FlightJob:
     parameters: tuple[tuple[float, ...], ...]
 
 
-def tune(wanted: TuningJob) -> Iterator[list[list[float]]]:
+def tune_controllers(wanted: TuningJob) -> Iterator[list[list[float]]]:
     """The best parameters of each run, confirmed or not, K each."""
     scenario = scenario_for(prepare(wanted.race), tuners.build(TUNER))
     shared: dict[str, Any] = {"budget": wanted.budget, "confirm": 10, "validation": 0, "reliability": 0.0, "randomise": wanted.randomise}
@@ -53,7 +53,7 @@ def tune(wanted: TuningJob) -> Iterator[list[list[float]]]:
     yield [run.best.parameters[0].tolist() for run in runs if run.best is not None]
 
 
-def carry(wanted: FlightJob) -> Iterator[float]:
+def fly_controllers(wanted: FlightJob) -> Iterator[float]:
     """Mean completion over all parameters."""
     scenario = prepare(wanted.race)
     each = np.repeat(np.array(wanted.parameters)[:, None], len(scenario.segments), axis=1)
@@ -122,14 +122,14 @@ def robustness(jobs: ResumableJobs, *, quick: bool) -> Article:
     grids = _conditions(base, quick=quick)
     wanted = {f"{axis} {label}": TuningJob(race, seeds) for axis, races in grids.items() for label, race in races.items()}
     wanted |= {_randomised(spread): TuningJob(base, seeds, spread, 600) for spread in SPREADS}
-    tuned = {key: tuple(map(tuple, values)) for key, values in jobs.each("controllers to tune", wanted, tune).items()}
+    tuned = {key: tuple(map(tuple, values)) for key, values in jobs.each("controllers to tune", wanted, tune_controllers).items()}
     flights = {
         f"{source} flown at {axis} {target}": FlightJob(race, tuned[source])
         for axis, races in grids.items()
         for source in [*(f"{axis} {label}" for label in races), *map(_randomised, SPREADS)]
         for target, race in races.items()
     }
-    shares = jobs.each("flights", flights, carry)
+    shares = jobs.each("flights", flights, fly_controllers)
     page = Article("Robustness")
     page.say(
         f"Mean completion [%] on {base.name} of {seeds} controllers, {FLIGHTS} flights each, tuned under the condition of a row and flown "

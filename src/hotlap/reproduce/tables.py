@@ -64,9 +64,7 @@ def table1(jobs: ResumableJobs, *, quick: bool) -> Article:
     }
     methods = {name: both for name, both in METHODS.items() if not (quick and both[0].startswith(SLOW))}
     cells = {
-        (suite, race.name, method): Cell(
-            race, tuner, TuningSettings(budget=QUICK if quick else budget, reliability=0.0, validation=50), seeds
-        )
+        (suite, race.name, method): Cell(race, tuner, _settings(budget, quick=quick), seeds)
         for suite, own in suites.items()
         for race in own
         for method, (tuner, budget) in methods.items()
@@ -83,6 +81,11 @@ def table1(jobs: ResumableJobs, *, quick: bool) -> Article:
         page.table(("method", *(race.name for race in own)), _table1_rows(own, methods, runs, published=suite != "latency known"))
         page.table(("method", *(race.name for race in own)), _solved_rows(own, methods, runs))
     return page
+
+
+def _settings(budget: int, *, quick: bool) -> TuningSettings:
+    """Of a run; no table shows its validation, so the short form has none."""
+    return TuningSettings(budget=QUICK if quick else budget, reliability=0.0, validation=0 if quick else 50)
 
 
 def _budgets(methods: Mapping[str, tuple[str, int]], *, quick: bool) -> str:
@@ -126,7 +129,7 @@ def median(flights: float) -> str:
 
 
 def table2(jobs: ResumableJobs, *, quick: bool) -> Article:
-    """Lap times on the tracks of Game of Drones, as planned and with the fastest plan that holds."""
+    """Lap times on the tracks of Game of Drones, as planned and with the fastest reliable plan."""
     names = ("circle-34",) if quick else (*GAME_OF_DRONES, "airsim-qualifier-20", "airsim-final-21")
     settings = TuningSettings(budget=40 if quick else 300, confirm=10, reliability=RELIABLE, validation=200)
     found: dict[str, tuple[PlanSettings, dict[str, Any]] | None] = {}
@@ -171,7 +174,7 @@ def _numbers(values: Sequence[float]) -> list[str]:
 def _speeds(race: Race, plan_settings: PlanSettings | None, result: Mapping[str, Any] | None) -> list[str]:
     """Mean lap, largest and mean speed of flights that pass every gate, and their share: as a search left them, or (None) as guessed."""
     if result is not None and plan_settings is None:
-        return ["-"] * 4  # nothing that holds was found
+        return ["-"] * 4  # no reliable plan was found
     scenario = prepare(race if plan_settings is None else plan_settings.applied(race))
     values = first_guess(scenario) if result is None else np.array(result["parameters"])
     seeds = flight_seeds(0, Stream.DEMONSTRATION, SHOWN, FLOWN)
@@ -188,7 +191,7 @@ def _speeds(race: Race, plan_settings: PlanSettings | None, result: Mapping[str,
 def table3(jobs: ResumableJobs, *, quick: bool) -> Article:
     """With and without first guess, segments, and one step for all of them; with one segment, tied steps are the same thing."""
     seeds = tuple(range(2 if quick else 20))
-    settings = TuningSettings(budget=QUICK if quick else 300, reliability=0.0, validation=50)
+    settings = _settings(300, quick=quick)
     names = ("circle-34",) if quick else (*RACES, *(f"airsim-{name}" for name in RACES[:-1]), "airsim-final-21")
     variants = [
         (guess, rule, tuner)

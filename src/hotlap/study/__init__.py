@@ -1,1 +1,1 @@
-"""Study: a tuning on disk, which goes on after a power cut."""
+"""Study: a tuning that is recorded on disk, and continues after an interruption."""

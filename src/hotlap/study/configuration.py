@@ -1,4 +1,4 @@
-"""Configuration: everything that decides how a tuning goes, in a form that can be kept and compared."""
+"""Configuration: everything that decides about a tuning, in a form that can be kept and compared."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MAY_DIFFER = ("budget", "first_guess_name")  # a study may be given a larger bud
 
 @dataclass(frozen=True)
 class Configuration:
-    """What a study is a study of.
+    """What is tuned in a study, and how.
 
     Attributes:
         scenario: race, reference and segments.
@@ -51,14 +51,14 @@ class Configuration:
 
     @property
     def cost_name(self) -> str:
-        """What the cost is called on an axis: with its unit where it is the metric's, else the name of the function."""
+        """Label of an axis of the cost: with its unit where it is the metric's, else the name of the function."""
         if self.cost:
             return f"cost, {self.cost.partition(' ')[0].rpartition('.')[2]}"
         return "cost [s]" if self.metric is Metric.TIME else "cost [m]"
 
     @property
     def fingerprint(self) -> str:
-        """Sixteen hexadecimal digits that change whenever something changes that a study must not mix."""
+        """Sixteen hexadecimal digits that change with everything that must be the same throughout a study."""
         text = json.dumps(sorted(compared(self.dump()).items()))
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -1,4 +1,4 @@
-"""Database: the SQLite file of a study; who may write it, and its complaints as one clear line."""
+"""Database: the SQLite file of a study: who may write it, and its errors as one clear line."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ _WORDS = {
 
 
 class Database:
-    """An open file, with SQLite's own default journal: whole after a kill or a power cut at any moment.
+    """An open file, with SQLite's default journal: consistent after a kill or a power cut at any moment.
 
     Args:
         folder: of the file.
-        owned: open it to write, made if there is none, and hold it against other processes until `close`; else open it to read,
+        owned: open it to write, made if there is none, and lock it against other processes until `close`; else open it to read,
             also while another process writes.
 
     Raises:
-        StudyError: the folder cannot be used, another process holds it, or the file cannot be opened.
+        StudyError: the folder cannot be used, another process has locked it, or the file cannot be opened.
     """
 
     def __init__(self, folder: Path, *, owned: bool) -> None:
@@ -44,7 +44,7 @@ class Database:
         self._lock = hold(folder) if owned else None
         mode = "rwc" if owned else "rw"  # to read after a kill is to roll back first
         try:
-            with self.worded():
+            with self.readable_errors():
                 location = f"{(folder / FILE).absolute().as_uri()}?mode={mode}"
                 self._connection = sqlite3.connect(location, uri=True, isolation_level=None, timeout=30.0)
         except BaseException:
@@ -52,7 +52,7 @@ class Database:
             raise
 
     def close(self) -> None:
-        """Let go of the file and of the folder; nothing is left to write."""
+        """Close the file and unlock the folder; everything is written already."""
         self._connection.close()
         self._release()
 
@@ -83,17 +83,17 @@ class Database:
 
     def execute(self, statement: str, values: Iterable[Any] = ()) -> list[tuple[Any, ...]]:
         """Run one statement; returns its rows."""
-        with self.worded():
+        with self.readable_errors():
             return self._connection.execute(statement, tuple(values)).fetchall()
 
     def insert(self, statement: str, rows: Iterable[tuple[Any, ...]]) -> None:
         """Run one statement for many rows of values."""
-        with self.worded():
+        with self.readable_errors():
             self._connection.executemany(statement, rows)
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
-        """All that happens inside is kept, or none of it."""
+        """A context within which all statements are kept, or none of them."""
         self.execute("BEGIN IMMEDIATE")
         try:
             yield
@@ -105,7 +105,7 @@ class Database:
 
     @contextmanager
     def at_one_moment(self) -> Iterator[None]:
-        """All that is read inside is of one moment; who writes waits."""
+        """A context within which all that is read is of one moment; writers wait."""
         self.execute("BEGIN")
         try:
             yield
@@ -114,8 +114,8 @@ class Database:
                 self.execute("ROLLBACK")
 
     @contextmanager
-    def worded(self) -> Iterator[None]:
-        """SQLite's complaints as one clear line; what is our own mistake passes."""
+    def readable_errors(self) -> Iterator[None]:
+        """A context that turns an error of SQLite into a `StudyError` of one line; those of wrong statements pass unchanged."""
         try:
             yield
         except (sqlite3.IntegrityError, sqlite3.ProgrammingError):

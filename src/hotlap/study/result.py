@@ -1,4 +1,4 @@
-"""Result: how a tuning ended."""
+"""Result: the best parameters of a tuning, with the flights that it took."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hotlap.tuning.candidate import Candidate
 
 @dataclass(frozen=True)
 class Result:
-    """What came of a run.
+    """The result of a run, final or so far.
 
     Attributes:
         race: its name.

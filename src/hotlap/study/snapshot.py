@@ -1,4 +1,4 @@
-"""Snapshot: all that the folder of a study says of it, read at one moment."""
+"""Snapshot: everything that is recorded of a study, read at one moment."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from hotlap.study.study import Study
 
 @dataclass(frozen=True)
 class Snapshot:
-    """How a study stands.
+    """A study as it was at one moment.
 
     Attributes:
         folder: of the study.
-        configuration: what it is a study of.
-        result: how it stands; None before the first flight.
+        configuration: what is tuned, and how.
+        result: so far; None before the first flight.
         finished: whether the search is over and its result validated.
         ledger: all flights.
         openings: when it was worked on, with the versions of what worked.
@@ -46,7 +46,7 @@ class Snapshot:
 
 
 def read_snapshot(study: Study) -> Snapshot:
-    """Read it, as of one moment."""
+    """Read a study as it is now, also while another process works on it."""
     configuration = study.configuration
     with study.at_one_moment():
         tuning = study.tuning
@@ -61,21 +61,8 @@ def read_snapshot(study: Study) -> Snapshot:
         )
 
 
-def count_flights(folder: Path) -> int:
-    """Number of flights that a study has recorded, by one short query: cheap enough to be asked every second.
-
-    Raises:
-        StudyError: the study cannot be read.
-    """
-    database = Database(folder, owned=False)
-    try:
-        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
-    finally:
-        database.close()
-
-
 def _rebuild(configuration: Configuration) -> str:
-    """The command that does the same, as far as a study that does not know it can tell."""
+    """A command that does the same, for a study that was begun by a program; what a command cannot say is left out."""
     settings = configuration.settings
     words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]

@@ -54,8 +54,8 @@ class Study:
     """An open study, closed by leaving its `with`; made by `Study.open` or `Study.read`.
 
     Attributes:
-        folder: where it lies.
-        configuration: what it is a study of.
+        folder: where it is kept.
+        configuration: what is tuned, and how.
     """
 
     configuration: Configuration
@@ -68,11 +68,11 @@ class Study:
 
     @classmethod
     def open(cls, folder: str | Path, configuration: Configuration, command: str = "") -> Self:
-        """Begin a study, or go on with one of the same configuration; a larger budget may be given.
+        """Begin a study, or continue one of the same configuration; a larger budget may be given.
 
         Args:
             folder: of the study.
-            configuration: what it is a study of.
+            configuration: what is tuned, and how.
             command: that does the same again, to be kept.
 
         Raises:
@@ -111,7 +111,7 @@ class Study:
         self.close()
 
     def close(self) -> None:
-        """Let go of file and folder; nothing is left to write."""
+        """Close the file and unlock the folder; everything is written already."""
         self._database.close()
 
     @property
@@ -122,12 +122,12 @@ class Study:
 
     @property
     def wall_time(self) -> float:
-        """[s] that processes have spent on it, up to the last thing recorded."""
+        """[s] that processes have spent on it, until the last record."""
         return float(self._entry("wall_time") or 0.0)
 
     @property
     def result(self) -> Result | None:
-        """How it stands; None before the first flight."""
+        """The result so far; None before the first flight."""
         tuning = self.tuning
         if tuning.best is None:
             return None
@@ -152,7 +152,7 @@ class Study:
 
     @property
     def openings(self) -> list[tuple[str, dict[str, str]]]:
-        """When it was opened to work on it, with the versions of what worked."""
+        """When it was opened to be continued, with the versions of the software that did."""
         rows = self._database.execute("SELECT time, versions FROM opening ORDER BY rowid")
         return [(moment, json.loads(versions)) for moment, versions in rows]
 
@@ -193,10 +193,10 @@ class Study:
         self._state = grow(before, json.loads(change))  # shares no memory with the tuner
 
     def run(self, objective: Objective, watch: Callable[[Batch], None] = lambda _: None) -> Result:
-        """Tune to the end from wherever the study stands, and record every batch; a finished study flies nothing.
+        """Continue the tuning to its end, and record every batch; a finished study flies nothing.
 
         Args:
-            objective: what flies what this is a study of.
+            objective: the scenario of the study, bound to its world and metric.
             watch: called after each batch, for progress.
 
         Raises:
@@ -328,8 +328,21 @@ def new_folder(race: str, parent: Path = RUNS) -> Path:
     raise InputError(str(parent / stem), "", "exists already, a thousand times")
 
 
+def count_flights(folder: str | Path) -> int:
+    """Number of flights that a study has recorded, by one short query: cheap enough to be asked every second.
+
+    Raises:
+        StudyError: the study cannot be read.
+    """
+    database = Database(Path(folder), owned=False)
+    try:
+        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
+    finally:
+        database.close()
+
+
 def _versions() -> dict[str, str]:
-    """Of everything that a flight's last bit may depend on."""
+    """Versions of the software that the last bit of a flight may depend on."""
     libraries = {name: version(name) for name in ("numpy", "numba", "casadi")}
     return {"hotlap": __version__, **libraries, "python": platform.python_version(), "platform": platform.platform()}
 

@@ -1,1 +1,1 @@
-"""System: the machine below us: disk cache, process pool, folder lock, journal, text files, threads of linear algebra."""
+"""System: what the machine provides: disk cache, process pool, folder lock, journal, processors, text files, threads of linear algebra."""

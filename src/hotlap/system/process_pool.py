@@ -114,7 +114,7 @@ def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
 
 
 def _portable(error: Exception) -> Exception:
-    """An error that can be sent: itself, or its words where it cannot."""
+    """An error that can be sent between processes: itself, or another one with its message."""
     try:
         pickle.loads(pickle.dumps(error))  # noqa: S301  it is our own
     except Exception:  # noqa: BLE001  a foreign error's constructor may take anything

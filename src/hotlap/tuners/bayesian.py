@@ -1,10 +1,10 @@
 """Bayesian optimisation with Gaussian processes (Jones, Schonlau, Welch, J. Global Optimization 13, 1998): a baseline of Table I.
 
-The cost is regressed on the parameters of all segments together, in a unit box, with scikit-learn. The paper names its five kernels
-and nothing else; the rest is what its users would have had: constant mean, one length for all axes, signal, lengths and noise by
-marginal likelihood, costs standardised, expected improvement, ten first flights of a Latin hypercube (as in scikit-optimize).
-Flights are noisy, so that improvement is counted from the lowest posterior mean at a flown point, not from the lowest cost (EI with
-"plug-in": Picheny, Wagner, Ginsbourger, Struct. Multidisc. Optim. 48, 2013).
+A Gaussian process of scikit-learn predicts the cost from the parameters of all segments, scaled to a unit box. The paper names its five
+kernels only; everything else follows common practice: constant mean, one length scale for all axes, signal, length scale and noise by
+maximum marginal likelihood, standardised costs, expected improvement (EI), ten first flights of a Latin hypercube (as in scikit-optimize).
+The cost is noisy, so the improvement is over the lowest posterior mean at a flown point, not over the lowest cost (EI with "plug-in":
+Picheny, Wagner, Ginsbourger, Struct. Multidisc. Optim. 48, 2013).
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from hotlap.tuners.unit_box import UnitBox, latin_hypercube
 
 Floats = NDArray[np.float64]
 
-WORST = 1e12  # what a larger cost counts as, of either sign
-REFIT = 10  # flights between looks at the likelihood
+WORST = 1e12  # limit of a cost, of either sign
+REFIT = 10  # flights between updates of the hyperparameters
 MEMORY = 200  # points that the process is fitted to
 POOL = 300  # candidates
-STEP_SIZES = (math.log(0.01), math.log(0.3))  # of candidates around the best, in the unit box
-LOCAL_STEPS = (0.1, 0.03, 0.01)  # around the best candidate, then around the better one
-NEIGHBOURS = 40  # candidates of a local step
+STEP_SIZES = (math.log(0.01), math.log(0.3))  # range of the logarithm of steps from the best point, in the unit box
+LOCAL_STEPS = (0.1, 0.03, 0.01)  # standard deviations of the local search, one after the other, in the unit box
+NEIGHBOURS = 40  # candidates of each of these
 
 
 class Family(StrEnum):
@@ -45,12 +45,12 @@ class Family(StrEnum):
 
 @dataclass(frozen=True)
 class BayesianSettings:
-    """What tells one optimisation from another.
+    """Settings of Bayesian optimisation.
 
     Attributes:
-        family: of the kernel.
+        family: covariance function.
         log: whether the unit box is one of logarithms; else of the parameters' own units.
-        opening: flights before the process is asked: the first guess, and a Latin hypercube.
+        opening: flights before the process is used: the first guess, and a Latin hypercube.
     """
 
     family: Family = Family.MATERN
@@ -69,13 +69,13 @@ PRESETS: Mapping[str, BayesianSettings] = {
 
 
 class Bayesian:
-    """The opening may be asked for in batches; after it each `ask` gives one proposal, the same one until it is told."""
+    """The opening can be asked for in batches; then each `ask` gives one proposal, the same one until its score is reported."""
 
     def __init__(self, name: str, settings: BayesianSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
-        """Lay out the opening."""
+        """Choose the points of the opening."""
         self._rng, self._box = rng, UnitBox(space, first_guess.shape, self.settings.log)
         self._first = space.clip(first_guess)
         self._points: list[list[float]] = []
@@ -85,7 +85,7 @@ class Bayesian:
         self._queue: list[list[float]] = [self._box.encode(self._first).tolist(), *hypercube.tolist()]
 
     def ask(self, n: int) -> Parameters:
-        """What is left of the opening, at most n, else one proposal, shape (1 to n, S, K); the first one is the first guess."""
+        """The rest of the opening, at most n, then one proposal, shape (1 to n, S, K); the first one is the first guess."""
         if not self._queue:
             self._queue = [self._propose().tolist()]
         asked = self._box.decode(np.array(self._queue[:n]))
@@ -94,7 +94,7 @@ class Bayesian:
         return asked
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Remember; true where a flight is the best so far."""
+        """Store points and costs; True where a flight has the lowest cost so far."""
         better = []
         for cost in scores.cost.tolist():
             known = min(self._costs, default=math.inf)
@@ -105,7 +105,7 @@ class Bayesian:
         return np.array(better, dtype=np.bool_)
 
     def state(self) -> dict[str, Any]:
-        """Every flight, the hyperparameters, what is to be flown next and the random generator."""
+        """All flights, the hyperparameters, the points to be flown next and the random generator."""
         return {
             "points": [list(point) for point in self._points],
             "costs": [cost if math.isfinite(cost) else None for cost in self._costs],  # JSON has no infinity
@@ -115,7 +115,7 @@ class Bayesian:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._points = [list(point) for point in state["points"]]
         self._costs = [math.inf if cost is None else cost for cost in state["costs"]]
         self._theta = None if state["theta"] is None else list(state["theta"])
@@ -123,7 +123,7 @@ class Bayesian:
         self._rng.bit_generator.state = state["rng"]
 
     def _propose(self) -> Floats:
-        """The point of largest expected improvement that is found, shape (S K,)."""
+        """The point of largest expected improvement found by random and local search, shape (S K,)."""
         from hotlap.tuners.surrogates import kernels  # noqa: PLC0415  it loads scikit-learn
 
         costs = np.array(self._costs)
@@ -143,26 +143,26 @@ class Bayesian:
             return self._climb(merit, self._pool(points[int(means.argmin())]))
 
     def _climb(self, merit: Callable[[Floats], Floats], candidates: Floats) -> Floats:
-        """The best of some candidates, shape (count, S K), and then of ever smaller steps from it, shape (S K,)."""
+        """The best of some candidates, shape (count, S K), improved by a local search with smaller and smaller steps; shape (S K,)."""
         for step in LOCAL_STEPS:
             best = candidates[int(merit(candidates).argmax())]
             candidates = np.vstack([best, self._around(best, np.full((NEIGHBOURS, 1), step))])
         return candidates[int(merit(candidates).argmax())]
 
     def _pool(self, best: Floats) -> Floats:
-        """Candidates, shape (POOL, S K): a half anywhere, a half around the best known point."""
+        """Candidates, shape (POOL, S K): half of them uniform in the box, half of them around the best point."""
         sizes = np.exp(self._rng.uniform(*STEP_SIZES, (POOL // 2, 1)))
         return np.vstack([self._rng.random((POOL // 2, len(best))), self._around(best, sizes)])
 
     def _around(self, centre: Floats, sizes: Floats) -> Floats:
-        """Gaussian steps of sizes, shape (count, 1), clipped at the box; every second one along some of the axes only."""
+        """Gaussian steps of sizes of shape (count, 1), clipped at the box; every second one along a random half of the axes."""
         steps = sizes * self._rng.standard_normal((len(sizes), len(centre)))
         steps[::2] *= self._rng.random(steps[::2].shape) < 0.5
         return np.clip(centre + steps, 0, 1)
 
 
 def standardise(costs: Floats) -> Floats:
-    """Costs with mean 0 and variance 1, shape (n,); what is infinite is a little worse than the worst."""
+    """Costs with mean 0 and variance 1, shape (n,); infinite ones are first replaced by the largest plus a tenth of the deviation."""
     finite = costs[np.isfinite(costs)]
     worst = finite.max() + 0.1 * finite.std() if len(finite) else 0.0
     full = np.where(np.isfinite(costs), costs, worst)
@@ -170,7 +170,7 @@ def standardise(costs: Floats) -> Floats:
 
 
 def remembered(costs: Floats) -> NDArray[np.intp]:
-    """The points that are fitted: all, or the best and the latest half of `MEMORY`."""
+    """Indices of the points that the process is fitted to: at most `MEMORY`, half of them the best ones, half the latest."""
     if len(costs) <= MEMORY:
         return np.arange(len(costs))
     best = np.argsort(costs, kind="stable")[: MEMORY // 2]

@@ -1,7 +1,7 @@
 """CMA-ES (Hansen, "The CMA evolution strategy: a tutorial", 2016) by the library `cmaes`: a baseline of Table I.
 
-Parameters lie in a unit box, of logarithms or of their own units. Restarts: a run that has converged begins anew from a random place;
-BIPOP alternates large and small populations (Hansen, GECCO 2009). Warm start: WS-CMA-ES (Nomura and others, AAAI 2021).
+Parameters are scaled to a unit box, of logarithms or of their own units. A strategy that has converged restarts at a random mean; BIPOP
+alternates large and small populations (Hansen, GECCO 2009). Warm start: WS-CMA-ES (Nomura and others, AAAI 2021).
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ Floats = NDArray[np.float64]
 
 RESTART_SIGMA = 0.3
 LARGE, SMALL = "large", "small"  # populations of BIPOP
-WORST = 1e12  # what a cost that is no number counts as
+WORST = 1e12  # cost of a flight whose cost is not finite
 
 
 @dataclass(frozen=True)
 class CmaEsSettings:
-    """What tells one strategy from another.
+    """Settings of CMA-ES.
 
     Attributes:
-        sigma: first step, in the unit box.
+        sigma: first standard deviation, in the unit box.
         log: whether the unit box is one of logarithms; else of the parameters' own units.
         tied: one set of parameters for all segments.
-        bipop: alternate large and small populations at restarts.
+        bipop: alternate between large and small populations at restarts.
         warm: flights around the first guess from which the first distribution is estimated; 0 for none.
     """
 
@@ -57,7 +57,7 @@ PRESETS: Mapping[str, CmaEsSettings] = {
 
 
 class CmaEs:
-    """A generation at a time. The first guess is flown first, and is the mean of the first generation."""
+    """One generation after the other. The first guess is flown first, and is the mean of the first generation."""
 
     def __init__(self, name: str, settings: CmaEsSettings) -> None:
         self.name, self.settings = name, settings
@@ -70,17 +70,17 @@ class CmaEs:
         self._begin()
 
     def _begin(self) -> None:
-        """Nothing is flown yet."""
+        """Reset to the state before the first flight."""
         self._seed = self._rng.bit_generator.state
-        self._costs: list[float] = []  # all that was told: with the generator's first state, the whole state
-        self._asked: list[Floats] = []  # points asked for and not told
+        self._costs: list[float] = []  # all reported costs: with the generator's first state, the whole state
+        self._asked: list[Floats] = []  # points whose scores are not reported yet
         self._generation: list[tuple[Floats, float]] = []
         self._source: list[tuple[Floats, float]] = []
         self._regime, self._doublings, self._spent = LARGE, 0, {LARGE: 0, SMALL: 0}
         self._strategy: CMA | None = None if self.settings.warm else self._make(self._guess, self.settings.sigma, None)
 
     def ask(self, n: int) -> Parameters:
-        """What is left of a generation, at most n, shape (1 to n, S, K); the first one is the first guess."""
+        """The rest of the generation, at most n, shape (1 to n, S, K); the first one is the first guess."""
         if not self._costs and not self._asked:
             self._asked = [self._guess]
             return self._first[None].copy()
@@ -89,7 +89,7 @@ class CmaEs:
         return self._box.decode(np.array(self._asked))
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Collect a generation; when it is whole, move. True where a flight was the best so far."""
+        """Collect a generation and, when it is complete, update the distribution. True where a flight has the lowest cost so far."""
         costs = [cost if math.isfinite(cost) else WORST for cost in scores.cost.tolist()]
         better = []
         for point, cost in zip(self._asked[: len(parameters)], costs, strict=True):
@@ -101,11 +101,11 @@ class CmaEs:
         return np.array(better, dtype=np.bool_)
 
     def state(self) -> dict[str, Any]:
-        """Costs in the order told, and how many points are asked for: all else follows from the seed."""
+        """Costs in the order reported, and the number of points under evaluation: everything else follows from the seed."""
         return {"costs": list(self._costs), "asked": len(self._asked), "rng": self._seed}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Draw and collect everything again."""
+        """Continue from a `state()`: draw all points again and report their costs to the strategy."""
         self._rng.bit_generator.state = state["rng"]
         self._begin()
         for k, cost in enumerate(state["costs"]):
@@ -116,19 +116,19 @@ class CmaEs:
             self._asked = [self._draw() for _ in range(state["asked"])] if self._costs else [self._guess]
 
     def _left(self) -> int:
-        """Points that are missing in the generation."""
+        """Number of points that the generation still needs."""
         if self._strategy is None:
             return self.settings.warm - len(self._source)
         return self._strategy.population_size - len(self._generation)
 
     def _draw(self) -> Floats:
-        """A point of the generation, or around the first guess."""
+        """A point of the generation, or one around the first guess for the warm start."""
         if self._strategy is None:
             return np.clip(self._guess + self.settings.sigma * self._rng.standard_normal(len(self._guess)), 0, 1)
         return np.asarray(self._strategy.ask(), dtype=np.float64)
 
     def _collect(self, point: Floats, cost: float) -> None:
-        """Add a point to the generation, and move when it is whole."""
+        """Add a point to the generation, and update the distribution when it is complete."""
         if self._strategy is None:
             self._source.append((point, cost))
             if len(self._source) == self.settings.warm:
@@ -145,7 +145,7 @@ class CmaEs:
                 self._restart()
 
     def _restart(self) -> None:
-        """Begin anew from a random place; with BIPOP, with the regime that has spent less."""
+        """A new strategy at a random mean; with BIPOP, with the population size that has used fewer flights."""
         assert self._strategy is not None  # noqa: S101  it has just stopped
         ordinary = self._strategy.population_size if not self.settings.bipop else 4 + math.floor(3 * math.log(len(self._guess)))
         self._spent[self._regime] += self._strategy.population_size * self._strategy.generation

@@ -1,16 +1,17 @@
-"""GateGp: hotlap's own tuner, a walk guided by a Gaussian process for every gate.
+"""GateGp: the default tuner, a random walk guided by one Gaussian process for the miss at each gate.
 
-1. A cost is the sum of what happens at the gates, and is modelled as such (composite Bayesian optimisation: Astudillo, Frazier, ICML 2019):
-   one process for each gate, of the parameters flown until then (`gate_process`). Flights in which all segments are alike are enough to
-   learn which segment likes what, so that the segments part when it pays, and not before.
-2. Candidates around the visited point that is expected to be best are judged by mean - k sd of the sum of the gates' chances to be missed;
-   the best one is the centre of the next generation of candidates, and the last one is flown. Steps are Gaussian in logarithms and of all
-   sizes; most are the same in all segments, some move a range of segments alone. k differs from flight to flight.
-3. A gate counts as passed only with a little to spare, since the next flight has another noise.
-4. With a small probability it leaves from another good point, or flies anywhere, at first more often: the first guess, or the place
-   where it is at work, may be far from everything that holds.
+1. The cost is a sum over the gates, so each gate has a process of its own (composite Bayesian optimisation: Astudillo, Frazier, ICML 2019),
+   a function of the parameters of its own and of earlier segments (`surrogates.gate_process`). Flights with the same parameters in all
+   segments already show which parameters each gate needs; a proposal with different segments is made when it is predicted to be better.
+2. The acquisition function is a lower confidence bound, mean - k sd, of about -log of the probability to pass all gates. Candidates are
+   Gaussian steps in logarithms around the flown point that is predicted to be best; most are the same in all segments, the others move a
+   range of segments only. The best candidate is the centre of the next generation; the best of the last generation is flown. k is drawn
+   anew for each flight.
+3. A gate counts as passed only with `MARGIN` to spare, because the noise of the next flight is different.
+4. With `restart_probability` a proposal is a step from another good point; with a probability that begins at `exploration` and falls, it is
+   drawn uniformly within the bounds: the first guess, or a local minimum, may be far from all parameters that pass the gates.
 
-A cost that says nothing of gates has one process, of all parameters.
+A cost without gates has one process, of the parameters of all segments.
 """
 
 from __future__ import annotations
@@ -26,28 +27,28 @@ from numpy.typing import NDArray
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
 from hotlap.tuners.surrogates.gate_process import GateKernel, Group, climb_at_random, condition, gate_groups
-from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
+from hotlap.tuners.walk import Walk, WalkSettings, fitted, restart_points
 
 Floats = NDArray[np.float64]
 
 POOL = 300  # candidates of a generation
-REFIT = 5  # flights between climbs of the likelihood, or twice as many where the walk exploration just then
-STRIDES = (20, 6)  # of the first climb, and of the later ones
-STEP_SIZES = (math.log(0.1), math.log(1.5))  # of a candidate, in units of `step`
-EAGERNESS = (math.log(0.3), math.log(3.0))  # of k
-HALF_ROAMING, LEAST_ROAMING = 20, 0.25  # flights in which the chance to roam halves, and the share of it that is left for ever
-SPARE = 0.15  # of the logarithm of a gate's distance: to pass with, and standard deviation of what no process knows
-PROBIT = 1.7  # softplus(1.7 z) is nearly -log of the chance that a standard normal is larger than z
+REFIT = 5  # flights between updates of the kernel; an update is left out where the proposal is drawn uniformly
+STRIDES = (20, 6)  # steps of the random search for the kernel: of the first update, and of the later ones
+STEP_SIZES = (math.log(0.1), math.log(1.5))  # range of the logarithm of a candidate's step size, in units of `step`
+CONFIDENCE = (math.log(0.3), math.log(3.0))  # range of log k of the lower confidence bound
+HALF_EXPLORATION, LEAST_EXPLORATION = 20, 0.25  # flights after which the probability of exploration is half; its least share
+MARGIN = 0.15  # by which log(D / d) must be below 0 for a gate to count as passed; also the standard deviation of the model's own error
+PROBIT = 1.7  # softplus(1.7 z) is close to -log of the probability that a standard normal variable is larger than z
 
 
 @dataclass(frozen=True)
 class GateGpSettings(WalkSettings):
-    """What tells one from another.
+    """Settings of the default tuner.
 
     Attributes:
-        generations: of candidates before each flight.
-        parted: share of the candidates that move a range of segments alone.
-        gates: whether there is a process for each gate; else one for the cost.
+        generations: generations of candidates before each flight.
+        parted: share of the candidates that move a range of segments only.
+        gates: whether each gate has a process; else one process of the cost.
     """
 
     restart_probability: float = 0.1
@@ -68,7 +69,7 @@ PRESETS: Mapping[str, GateGpSettings] = {
 
 
 class GateGp(Walk[GateGpSettings]):
-    """A walk guided by a process for every gate."""
+    """A random walk guided by a Gaussian process for each gate."""
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin at the first guess."""
@@ -78,14 +79,14 @@ class GateGp(Walk[GateGpSettings]):
         self._kernel: GateKernel | None = None
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Remember; true where a flight is the best so far."""
+        """Store points, costs and misses; True where a flight has the lowest cost so far."""
         if self.settings.gates:
             self._misses += scores.gate_miss.tolist()
             self._gate_segments = scores.gate_segment[0].tolist()
         return super().tell(parameters, scores)
 
     def state(self) -> dict[str, Any]:
-        """Every flight, the kernel, a proposal under way and the random generator."""
+        """All flights, the kernel, the current proposal and the random generator."""
         return {
             **super().state(),
             "misses": [[miss if math.isfinite(miss) else None for miss in flight] for flight in self._misses],
@@ -94,15 +95,15 @@ class GateGp(Walk[GateGpSettings]):
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         super().restore(state)
         self._misses = [[math.nan if miss is None else miss for miss in flight] for flight in state["misses"]]
         self._gate_segments = list(state["gate_segments"])
         self._kernel = None if state["kernel"] is None else GateKernel(np.array(state["kernel"]))
 
-    def _roaming(self, flown: int) -> float:
-        """Chance of a flight anywhere: it falls, but not to nothing, lest the walk stay where no set of parameters holds."""
-        return self.settings.exploration * max(LEAST_ROAMING, HALF_ROAMING / (HALF_ROAMING + flown))
+    def _exploration_probability(self, flown: int) -> float:
+        """Probability of a uniformly drawn proposal: it falls, but not to 0, so that the walk leaves a region where no parameters pass."""
+        return self.settings.exploration * max(LEAST_EXPLORATION, HALF_EXPLORATION / (HALF_EXPLORATION + flown))
 
     def _steps(self, count: int) -> Floats:
         """Gaussian steps of unit size, the same in all segments, shape (count, S K)."""
@@ -110,7 +111,7 @@ class GateGp(Walk[GateGpSettings]):
         return np.tile(self._rng.standard_normal((count, size)), segments)
 
     def _propose(self, costs: Floats) -> Floats:
-        """The best candidate of the last generation, or a leap."""
+        """The best candidate of the last generation, or a restart; shape (S K,)."""
         chosen = fitted(costs)
         flat = np.array(self._points)[chosen]
         points, groups = self._cube(flat), self._groups(costs, chosen)
@@ -119,40 +120,42 @@ class GateGp(Walk[GateGpSettings]):
             start, strides = (GateKernel.prior(points.shape[2]), first) if self._kernel is None else (self._kernel, later)
             self._kernel = climb_at_random(points, groups, start, strides, self._rng)
         posterior = condition(points, groups, self._kernel)
-        values = self._value(*posterior.predict(points), 0.0)
+        values = self._acquisition(*posterior.predict(points), 0.0)
         if self._rng.random() < self.settings.restart_probability:
-            return self._leap(flat[leaping_points(values)])
-        k = math.exp(self._rng.uniform(*EAGERNESS))
+            return self._restart(flat[restart_points(values)])
+        k = math.exp(self._rng.uniform(*CONFIDENCE))
         centre = flat[int(np.argmin(values))]
         for _ in range(self.settings.generations):
             pool = self._mirror(centre + self._moves())
-            centre = pool[int(np.argmin(self._value(*posterior.predict(self._cube(pool)), k)))]
+            centre = pool[int(np.argmin(self._acquisition(*posterior.predict(self._cube(pool)), k)))]
         return centre
 
     def _groups(self, costs: Floats, chosen: NDArray[np.intp]) -> list[Group]:
-        """What some flights say: the gates of each segment, or the cost as a whole."""
+        """The data of some flights: the misses at the gates of each segment, or the cost."""
         if self._gate_segments:
             return gate_groups(np.array(self._misses)[chosen], np.array(self._gate_segments))
         return [Group(None, np.arange(1), np.arange(len(chosen)), costs[chosen, None])]
 
-    def _value(self, means: Floats, deviations: Floats, noises: Floats, k: float) -> Floats:
-        """What candidates are worth, less is better, shape (m,): about -log of the chance to pass all gates, lowered by k deviations.
+    def _acquisition(self, means: Floats, deviations: Floats, noises: Floats, k: float) -> Floats:
+        """Acquisition function of candidates, shape (m,), lower is better: about -log of the probability to pass all gates, less k sd.
+
+        Without gates it is the lower confidence bound of the cost.
 
         Args:
-            means: of the gates' misses, or of the cost, shape (m, M).
-            deviations: likewise.
-            noises: shape (M,).
-            k: how much is hoped for.
+            means: posterior means of the misses, or of the cost, shape (m, M).
+            deviations: posterior standard deviations, shape (m, M).
+            noises: standard deviations of the noise, shape (M,).
+            k: number of standard deviations.
         """
         if not self._gate_segments:
             return (means - k * deviations)[:, 0]
-        steepness = PROBIT / np.hypot(noises, SPARE)
-        exponents = steepness * (means + SPARE)
+        steepness = PROBIT / np.hypot(noises, MARGIN)
+        exponents = steepness * (means + MARGIN)
         slopes = steepness / (1 + np.exp(-exponents))
         return np.logaddexp(0, exponents).sum(axis=1) - k * np.linalg.norm(slopes * deviations, axis=1)
 
     def _moves(self) -> Floats:
-        """Steps of all sizes, half of them along some axes only, some in a range of segments alone, shape (`POOL`, S K)."""
+        """Steps of random sizes, half of them along some axes only, a share `parted` in a range of segments only; shape (`POOL`, S K)."""
         segments, size = self._shape_of_parameters
         sizes = self.settings.step * np.exp(self._rng.uniform(*STEP_SIZES, (POOL, 1)))
         steps = self._cube(sizes * self._steps(POOL))

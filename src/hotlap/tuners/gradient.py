@@ -1,13 +1,13 @@
-"""Descent by estimated gradients of the cost, in logarithms: do gradients work here?
+"""Gradient descent on the cost, in logarithms of the parameters, with gradients estimated by finite differences of noisy flights.
 
-Two estimates, both of central differences:
-- SPSA: all parameters are shaken at once, two flights a gradient whatever their number (Spall, IEEE TAC 1992).
-- Finite differences: one parameter after the other, 2 d flights a gradient; d is K where segments are tied (10 flights for five
-  parameters), else S K (70 for seven segments: with 200 flights, not three steps).
+Two estimates, both by central differences:
+- SPSA: all parameters are perturbed at once, two flights for a gradient whatever their number (Spall, IEEE TAC 1992).
+- Finite differences: one parameter after the other, 2 d flights for a gradient; d is K where segments are tied (10 flights for five
+  parameters), else S K (70 for seven segments: fewer than three steps in 200 flights).
 
-Gains fall as Spall recommends (IEEE TAES 1998), and a step is a gain times the gradient over its typical size, or times Adam's
-direction (Kingma, Ba, ICLR 2015). Near a bound the place steps back, so that both points lie within (Sadegh, Automatica 1997).
-What descends is log(1 + cost).
+Gains decrease as Spall recommends (IEEE TAES 1998); a step is a gain times the gradient over its root mean square, or times Adam's
+direction (Kingma, Ba, ICLR 2015). Near a bound the iterate is moved inwards, so that both perturbed points lie within (Sadegh, Automatica
+1997). The function that is minimised is log(1 + cost).
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from hotlap.tuners.offsets import Offsets
 
 Floats = NDArray[np.float64]
 
-ALPHA, GAMMA = 0.602, 0.101  # how gain and shake fall, Spall, 1998
+ALPHA, GAMMA = 0.602, 0.101  # exponents by which gain and perturbation decrease, Spall, 1998
 MOMENTUM, MEMORY, EPSILON = 0.9, 0.999, 1e-8  # beta_1, beta_2, epsilon of Adam
 
 
 class Estimate(StrEnum):
-    """How a gradient is measured."""
+    """How the gradient is estimated."""
 
     SIMULTANEOUS = "simultaneous"
     FINITE_DIFFERENCES = "finite_differences"
 
 
 class UpdateRule(StrEnum):
-    """How a gradient becomes a step."""
+    """How the step is computed from the gradient."""
 
     GAINS = "gains"
     ADAM = "adam"
@@ -47,15 +47,15 @@ class UpdateRule(StrEnum):
 
 @dataclass(frozen=True)
 class GradientSettings:
-    """What tells one descent from another.
+    """Settings of gradient descent.
 
     Attributes:
-        estimate: of the gradient.
-        rule: of the steps.
+        estimate: how the gradient is estimated.
+        rule: how the step is computed.
         step: a_0, typical size of the first step of a parameter, in natural logarithms times the space's `log_step`.
-        shake: c, half the distance of the two points of a difference, likewise.
-        stability: A, steps after which gains begin to fall: a tenth of those in 200 flights.
-        averages: simultaneous gradients of a step, two flights each.
+        shake: c, half the distance of the two points of a difference, in the same unit.
+        stability: A, number of steps after which the gains begin to decrease: a tenth of the steps in 200 flights.
+        averages: number of simultaneous gradients that are averaged for a step, two flights each.
         tied: one step for all segments.
         dense: use the dense cost, which is smooth, else the metric.
     """
@@ -90,9 +90,9 @@ PRESETS: Mapping[str, GradientSettings] = {
 
 
 class Gradient:
-    """A step at a time: fly pairs of points around a place, and move it. The first guess is flown first, alone.
+    """Each step flies pairs of points around the current iterate, then moves it. The first guess is flown first, alone.
 
-    The place itself is not flown again: what holds must hold at the points around it.
+    The iterate itself is not flown again: the flights that can be confirmed are those of the points around it.
     """
 
     def __init__(self, name: str, settings: GradientSettings) -> None:
@@ -102,19 +102,19 @@ class Gradient:
         """Begin at the first guess."""
         self._rng, self._offsets = rng, Offsets(space, space.clip(first_guess), self.settings.tied)
         self._low, self._high = self._offsets.bounds
-        self._place = np.zeros(len(self._low))  # an offset from the first guess
+        self._place = np.zeros(len(self._low))  # the iterate, as an offset from the first guess
         self._momentum, self._square = np.zeros_like(self._place), np.zeros_like(self._place)
-        self._directions = np.zeros((0, len(self._place)))  # of the step under way; none while the first guess is flown
-        self._values: list[float] = []  # of the points told
+        self._directions = np.zeros((0, len(self._place)))  # of the current step; none while the first guess is flown
+        self._values: list[float] = []  # log(1 + cost) of the points of the step, as far as reported
         self._steps, self._best, self._worst = 0, math.inf, 0.0
 
     def ask(self, n: int) -> Parameters:
-        """What is left of a step, at most n, shape (1 to n, S, K); the same until it is told."""
-        told = len(self._values)
-        return self._offsets.decode(self._points()[told : told + n])
+        """The rest of the points of a step, at most n, shape (1 to n, S, K); the same until their scores are reported."""
+        flown = len(self._values)
+        return self._offsets.decode(self._points()[flown : flown + n])
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  they were asked for in order
-        """Collect differences; when they are whole, move. True where a flight was the best so far."""
+        """Collect the costs of a step and, when they are complete, move. True where a flight has the lowest cost so far."""
         better = []
         for cost in (scores.dense if self.settings.dense else scores.cost).tolist():
             value = math.log1p(max(cost, 0.0)) if math.isfinite(cost) else math.inf
@@ -127,7 +127,7 @@ class Gradient:
         return np.array(better, dtype=np.bool_)
 
     def state(self) -> dict[str, Any]:
-        """Place, moments, the step under way and the random generator."""
+        """Iterate, moments, the current step and the random generator."""
         return {
             **{name: getattr(self, f"_{name}").tolist() for name in ("place", "momentum", "square", "directions")},
             "values": [_plain(value) for value in self._values],
@@ -138,7 +138,7 @@ class Gradient:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._place, self._momentum, self._square = (np.array(state[name]) for name in ("place", "momentum", "square"))
         self._directions = np.array(state["directions"]).reshape(-1, len(self._place))
         self._values = [math.inf if value is None else value for value in state["values"]]
@@ -154,7 +154,7 @@ class Gradient:
         return np.clip(self._place + shakes.reshape(-1, len(self._place)), self._low, self._high)
 
     def _move(self) -> None:
-        """Step down the gradient, if there is one yet, and choose the directions of the next."""
+        """Move against the gradient, if there is one yet, and choose the directions of the next step."""
         if len(self._directions):
             self._place = self._place - self._step(self._gradient())
             self._steps += 1
@@ -163,7 +163,7 @@ class Gradient:
         self._directions, self._values = self._shake(), []
 
     def _shake(self) -> Floats:
-        """Directions: all signs by chance, or one parameter each, in an order by chance; shape (count, d)."""
+        """Directions: vectors of random signs, or one axis each in random order; shape (count, d)."""
         size = len(self._place)
         if self.settings.estimate is Estimate.SIMULTANEOUS:
             return self._rng.choice([-1.0, 1.0], (self.settings.averages, size))
@@ -172,7 +172,7 @@ class Gradient:
     def _gradient(self) -> Floats:
         """g = sum_j (y_j+ - y_j-) / (2 c) D_j, shape (d,); for SPSA the mean over j (Spall, 1992; 1 / D = D for signs).
 
-        A value that is not finite counts as one more than the worst so far.
+        A value that is not finite counts as the largest so far plus 1.
         """
         plus, minus = np.nan_to_num(self._values, posinf=self._worst + 1.0).reshape(-1, 2).T
         slopes = (plus - minus) / (2 * self.settings.width(self._steps))
@@ -180,7 +180,7 @@ class Gradient:
         return total / len(slopes) if self.settings.estimate is Estimate.SIMULTANEOUS else total
 
     def _step(self, gradient: Floats) -> Floats:
-        """What is subtracted from the place, shape (d,)."""
+        """The vector that is subtracted from the iterate, shape (d,)."""
         k = self._steps + 1
         if self.settings.rule is UpdateRule.ADAM:
             self._momentum = MOMENTUM * self._momentum + (1 - MOMENTUM) * gradient
@@ -188,10 +188,10 @@ class Gradient:
             mean, square = self._momentum / (1 - MOMENTUM**k), self._square / (1 - MEMORY**k)
             return self.settings.gain(self._steps) * mean / (np.sqrt(square) + EPSILON)
         self._square = self._square + (gradient**2 - self._square) / k
-        typical = math.sqrt(float(self._square.mean()))  # so that a_0 moves a parameter by `step`; of all gradients, not the first only
+        typical = math.sqrt(float(self._square.mean()))  # so that a_0 moves a parameter by `step`; of all gradients, not only of the first
         return self.settings.gain(self._steps) * gradient / typical if typical > 0 else gradient
 
 
 def _plain(value: float) -> float | None:
-    """A value in JSON, which has no infinity."""
+    """A value as JSON, which has no infinity."""
     return value if math.isfinite(value) else None

@@ -1,8 +1,8 @@
 """Gradient boosting: boosted regression trees (Friedman, 2001) predict the cost, and the lowest prediction is flown.
 
-A baseline of Table I, which the paper does not describe. This is the reading as a surrogate that is refitted as flights come in, with
-the default settings of scikit-learn, as the paper's regressor has them; the other reading, the regressor's guess flown as it is, needs
-no tuner. Trees give no uncertainty: a share of the flights explores by chance instead.
+A baseline of Table I, which the paper does not describe. Here the trees are a surrogate model of the cost that is fitted again after every
+`REFIT` flights, with the default settings of scikit-learn, as for the paper's regressor. Trees give no uncertainty, so a share of the
+flights explores at random.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-INITIAL = 10  # flights before trees guide
+INITIAL = 10  # flights before the trees are used
 REFIT = 10  # flights between fits
 POOL = 1000  # candidates
-WORST = 1e12  # what a cost counts as at most
+WORST = 1e12  # limit of a cost, of either sign
 
 
 @dataclass(frozen=True)
 class GradientBoostingSettings:
-    """What tells one search from another.
+    """Settings of gradient boosting.
 
     Attributes:
-        exploration: share of the flights, once trees guide, that fly a candidate at random.
-        spread: standard deviation of candidates around the best point, as a share of each axis.
-        near: share of the candidates that lie around the best point; the others fill the bounds.
+        exploration: probability that a random candidate is flown instead of the best one, once the trees are used.
+        spread: standard deviation of candidates around the best point, as a share of the range of each axis.
+        near: share of the candidates that lie around the best point; the others are uniform within the bounds.
         log: draw candidates in logarithms; else in the parameters' own units.
     """
 
@@ -49,7 +49,7 @@ PRESETS: Mapping[str, GradientBoostingSettings] = {"surrogate": GradientBoosting
 
 
 class GradientBoosting:
-    """Every flight is remembered. An ask gives points chosen by the latest fit, the same until they are told."""
+    """All flights are kept. An ask gives points chosen by the latest fit, the same until their scores are reported."""
 
     def __init__(self, name: str, settings: GradientBoostingSettings) -> None:
         self.name, self.settings = name, settings
@@ -64,40 +64,40 @@ class GradientBoosting:
         self._fitted = 0
 
     def ask(self, n: int) -> Parameters:
-        """At most n points that wait, shape (1 to n, S, K); the first one is the first guess."""
+        """At most n points that are to be flown, shape (1 to n, S, K); the first one is the first guess."""
         if not len(self._waiting):
             self._waiting = np.array([self._choose() for _ in range(min(n, REFIT - len(self._costs) % REFIT))])
         return self._waiting[:n].copy()
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Remember; true where a flight is the best so far."""
+        """Store points and costs; True where a flight has the lowest cost so far."""
         costs = np.nan_to_num(np.clip(scores.cost, -WORST, WORST), nan=WORST)
         known = np.minimum.accumulate(np.append(self._costs.min(initial=np.inf), costs))
-        told, self._waiting = self._waiting[: len(parameters)], self._waiting[len(parameters) :]
-        self._flown, self._costs = np.concatenate([self._flown, told]), np.append(self._costs, costs)
+        reported, self._waiting = self._waiting[: len(parameters)], self._waiting[len(parameters) :]
+        self._flown, self._costs = np.concatenate([self._flown, reported]), np.append(self._costs, costs)
         return np.asarray((costs <= known[:-1]) & (costs < WORST), dtype=np.bool_)
 
     def state(self) -> dict[str, Any]:
-        """Every flight, what waits, the seed of the trees and the random generator."""
+        """All flights, the points to be flown, the seed of the trees and the random generator."""
         flights = {"flown": self._flown.tolist(), "costs": self._costs.tolist(), "waiting": self._waiting.tolist()}
         return {**flights, "seed": self._seed, "rng": self._rng.bit_generator.state}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken; the trees grow again as they were."""
+        """Continue from a `state()`; the trees are fitted again to the same flights."""
         self._flown, self._waiting = (np.array(state[name], dtype=np.float64).reshape(-1, *self._shape) for name in ("flown", "waiting"))
         self._costs, self._seed = np.array(state["costs"], dtype=np.float64), state["seed"]
         self._trees, self._fitted = None, 0
         self._rng.bit_generator.state = state["rng"]
 
     def _choose(self) -> Parameters:
-        """The candidate of lowest prediction, or any one, shape (S, K)."""
+        """The candidate of lowest predicted cost, or a random one, shape (S, K)."""
         candidates, explores = self._candidates(), self._rng.random() < self.settings.exploration
         if explores or len(self._costs) < INITIAL:
             return candidates[int(self._rng.integers(POOL))]
         return candidates[int(np.argmin(self._fit().predict(candidates.reshape(POOL, -1))))]
 
     def _candidates(self) -> Parameters:
-        """Points around the best one and points anywhere within the bounds, in no order, shape (`POOL`, S, K)."""
+        """Points around the best one and points uniform within the bounds, in random order, shape (`POOL`, S, K)."""
         low, high = self._scale(self._space.low), self._scale(self._space.high)
         shape = (POOL, *self._shape)
         points = self._rng.uniform(low, high, shape)
@@ -109,11 +109,11 @@ class GradientBoosting:
         return self._space.clip(np.exp(points) if self.settings.log else points)
 
     def _scale(self, parameters: Parameters) -> Floats:
-        """Parameters as they are drawn, any shape."""
+        """Parameters in the scale in which they are drawn, any shape."""
         return np.log(parameters) if self.settings.log else parameters
 
     def _fit(self) -> GradientBoostingRegressor:
-        """Trees that know the first flights, a multiple of `REFIT`: what is predicted does not depend on how flights are asked for."""
+        """Trees fitted to the first flights, a multiple of `REFIT`, so that predictions do not depend on the batches that are asked for."""
         count = len(self._costs) // REFIT * REFIT
         if self._trees is None or self._fitted != count:
             from sklearn.ensemble import GradientBoostingRegressor  # noqa: PLC0415  it takes a second to load
@@ -124,6 +124,6 @@ class GradientBoosting:
 
 
 def _tame(costs: Floats) -> Floats:
-    """Costs, with what counts as worst put just above the others, shape (n,)."""
+    """Costs, shape (n,), with those at `WORST` lowered to one standard deviation above the largest other."""
     proper = costs[costs < WORST]
     return np.minimum(costs, proper.max() + (proper.std() or 1.0)) if len(proper) else costs

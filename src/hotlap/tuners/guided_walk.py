@@ -1,12 +1,12 @@
-"""Guided walk: hotlap's own tuner where there are no gates, a random walk around the best point known, guided by a Gaussian process.
+"""Guided walk: random steps from the best point, selected by a Gaussian process of the cost; the tuner for costs that have no gates.
 
-1. Steps are Gaussian in logarithms and the same in all segments: five numbers are found sooner than thirty-five. Only half of the
-   candidates, those that move along some axes and not along others, part the segments, a little at a time.
-2. Costs are dense: they tell by how much each gate was missed (`Scores.dense`), so that one flight says as much as it can.
-3. After some steps, candidates around the visited point of lowest posterior mean are judged by mean - k sd; steps are of all
-   sizes, and k differs from flight to flight, so that the walk neither freezes nor exploration.
-4. With a small probability it leaves from another good point, or at first flies anywhere: chance, against being caught in one place, and
-   because the first guess may be far from everything that flies.
+1. Steps are Gaussian in the logarithms of the parameters and, by default, the same in all segments: a search over K parameters needs fewer
+   flights than one over S K. Half of the candidates move a random half of the axes only, which lets the segments differ.
+2. The cost is the dense one, a sum over all gates of how far each is missed (`Scores.dense`): one flight gives more information.
+3. After the opening, candidates around the flown point of lowest posterior mean are ranked by the lower confidence bound, mean - k sd.
+   Step sizes and k are drawn anew for each flight, which mixes exploitation and exploration.
+4. With `restart_probability` a proposal is a step from another good point; with the probability `exploration`, in the first flights, it is
+   drawn uniformly within the bounds. Both keep the search out of local minima and help where the first guess crashes.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.tuners.surrogates.gaussian_process import Kernel, likeliest_of
-from hotlap.tuners.walk import Walk, WalkSettings, fitted, leaping_points
+from hotlap.tuners.walk import Walk, WalkSettings, fitted, restart_points
 
 Floats = NDArray[np.float64]
 
-ROAMING = 40  # flights, after which it exploration no more
-POOL = 300  # candidates
+EXPLORED = 40  # flights after which no proposal is drawn uniformly
+POOL = 300  # candidates of a proposal
 LENGTHS = (0.7, 1.5, 3.0, 6.0)  # grid of the length scale, times the square root of the number of segments
 NOISES = (0.02, 0.1, 0.3, 0.8)  # grid of the noise's variance over the signal's
-REFIT = 10  # flights between looks at the likelihood
-STEP_SIZES = (math.log(0.1), math.log(1.5))  # of a candidate, in units of `step`
-EAGERNESS = (math.log(0.3), math.log(3.0))  # of k
+REFIT = 10  # flights between selections of the kernel
+STEP_SIZES = (math.log(0.1), math.log(1.5))  # range of the logarithm of a candidate's step size, in units of `step`
+CONFIDENCE = (math.log(0.3), math.log(3.0))  # range of log k of the lower confidence bound
 
 
 @dataclass(frozen=True)
 class GuidedWalkSettings(WalkSettings):
-    """What tells one guided walk from another.
+    """Settings of the guided walk.
 
     Attributes:
-        correlation: of the steps of two segments; 1 moves all alike, 0 each by itself.
-        apart: whether what moves along some axes only chooses them for each segment; else for all alike.
+        correlation: correlation coefficient of the steps of two segments; 1: the same step in all segments, 0: independent steps.
+        apart: whether candidates that move some axes only draw these axes for each segment; else the same axes in all segments.
     """
 
     correlation: float = 1.0
@@ -59,7 +59,7 @@ PRESETS: Mapping[str, GuidedWalkSettings] = {
 
 
 class GuidedWalk(Walk[GuidedWalkSettings]):
-    """A walk guided by one process for the cost."""
+    """A random walk guided by one Gaussian process of the cost."""
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin at the first guess."""
@@ -68,17 +68,17 @@ class GuidedWalk(Walk[GuidedWalkSettings]):
         self._factor = _factor(self.settings.correlation, len(first_guess))
 
     def state(self) -> dict[str, Any]:
-        """Every flight, the kernel, a proposal under way and the random generator."""
+        """All flights, the kernel, the current proposal and the random generator."""
         return {**super().state(), "kernel": None if self._kernel is None else [self._kernel.lengths, self._kernel.noise]}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         super().restore(state)
         self._kernel = None if state["kernel"] is None else Kernel(*state["kernel"])
 
-    def _roaming(self, flown: int) -> float:
-        """Chance of a flight anywhere after so many."""
-        return self.settings.exploration if flown < ROAMING else 0.0
+    def _exploration_probability(self, flown: int) -> float:
+        """Probability of a uniformly drawn proposal: `exploration` in the first `EXPLORED` flights, then 0."""
+        return self.settings.exploration if flown < EXPLORED else 0.0
 
     def _steps(self, count: int) -> Floats:
         """Gaussian steps of unit size, correlated over segments, shape (count, S K)."""
@@ -87,7 +87,7 @@ class GuidedWalk(Walk[GuidedWalkSettings]):
         return np.einsum("st,ctk->csk", self._factor, draws).reshape(count, segments * size)
 
     def _propose(self, costs: Floats) -> Floats:
-        """The lowest of many candidates, or a leap."""
+        """The candidate of lowest confidence bound, or a restart; shape (S K,)."""
         chosen = fitted(costs)
         points, costs = np.array(self._points)[chosen], costs[chosen]
         if self._kernel is None or len(self._costs) % REFIT == 0:
@@ -96,17 +96,17 @@ class GuidedWalk(Walk[GuidedWalkSettings]):
         posterior = self._kernel.condition(points, costs)
         means = posterior.predict(points)[0]
         if self._rng.random() < self.settings.restart_probability:
-            return self._leap(points[leaping_points(means)])
+            return self._restart(points[restart_points(means)])
         sizes = self.settings.step * np.exp(self._rng.uniform(*STEP_SIZES, (POOL, 1)))
         steps = sizes * self._steps(POOL)
         steps[POOL // 2 :] *= self._some_axes(POOL - POOL // 2)
         pool = self._mirror(points[int(np.argmin(means))] + steps)
         mean, deviation = posterior.predict(pool)
-        k = math.exp(self._rng.uniform(*EAGERNESS))
+        k = math.exp(self._rng.uniform(*CONFIDENCE))
         return pool[int(np.argmin(mean - k * deviation))]
 
     def _some_axes(self, count: int) -> NDArray[np.bool_]:
-        """Half of the axes, by chance, shape (count, S K)."""
+        """Each axis with probability 1/2, shape (count, S K)."""
         segments, size = self._shape_of_parameters
         if self.settings.apart:
             return self._rng.random((count, segments * size)) < 0.5

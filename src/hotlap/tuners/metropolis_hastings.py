@@ -19,21 +19,21 @@ HORIZON = "horizon"
 
 
 class Scale(StrEnum):
-    """Where steps are Gaussian: in the parameters' own units, or in their natural logarithm."""
+    """The scale in which steps are Gaussian: the parameters' own units, or their natural logarithms."""
 
     RAW = "raw"
     LOG = "log"
 
 
 class Score(StrEnum):
-    """How good a cost m is: exp(-m / T) in the paper (Eq. 5), exp(-2 sqrt(m) / T) in the released code."""
+    """Score d of a cost m: exp(-m / T) in the paper (Eq. 5), exp(-2 sqrt(m) / T) in the released code."""
 
     EXPONENTIAL = "exponential"
     ROOT = "root"
 
 
 class Reach(StrEnum):
-    """Which segments a step moves: all in the paper; the failed one and the three before it in the released code."""
+    """Segments that a step changes: all in the paper; the failed one and the three before it in the released code."""
 
     ALL = "all"
     FAILED = "failed"
@@ -41,16 +41,16 @@ class Reach(StrEnum):
 
 @dataclass(frozen=True)
 class MetropolisHastingsSettings:
-    """What tells one sampler from another.
+    """Settings of the sampler.
 
     Attributes:
         sigma: standard deviation of a step: raw units, or natural logarithm times the space's `log_step`.
-        scale: where steps are Gaussian.
-        tied: share of the moves that take one step for all segments; the others move each segment by itself.
+        scale: scale in which steps are Gaussian.
+        tied: probability that a move takes the same step in all segments; the other moves take a step of its own in each segment.
         temperature: T of the score; the paper's is 1.
-        rollback: return to the current sample after a rejection, as the paper says; the released code goes on from the proposal.
-        score: of a cost.
-        reach: which segments a step moves.
+        rollback: keep the current sample after a rejection, as in the paper; the released code continues from the rejected proposal.
+        score: score of a cost.
+        reach: segments that a step changes.
         horizon: size of the horizon's step relative to that of the other parameters; the released code's is a tenth.
     """
 
@@ -80,12 +80,12 @@ class MetropolisHastings:
     """A random walk that always accepts better parameters, and worse ones with probability d(w')/d(w).
 
     The transition is symmetric (Gaussian, mirrored at the bounds), so that no Hastings factor is needed; with `Scale.LOG` the
-    stationary density is taken with respect to the logarithms. Each `ask` gives one proposal, the same one until it is told.
-    With `Reach.FAILED` the step depends on where the current sample failed and is not symmetric; the released code has no factor
-    for that, nor is there one here. It differs from the released code in that proposals are mirrored at the bounds, not redrawn.
+    stationary density is taken with respect to the logarithms. Each `ask` gives one proposal, the same one until its score is reported.
+    With `Reach.FAILED` the step depends on where the current sample failed and is not symmetric; as in the released code, there is no
+    factor for that. It differs from the released code in that proposals are mirrored at the bounds, not redrawn.
 
     Attributes:
-        temperature: of the next decision; the settings' until it is changed.
+        temperature: T of the next decision; at first that of the settings.
     """
 
     def __init__(self, name: str, settings: MetropolisHastingsSettings) -> None:
@@ -112,7 +112,7 @@ class MetropolisHastings:
         return np.array([self._step(*flight) for flight in flown])
 
     def state(self) -> dict[str, Any]:
-        """Sample, its cost and where it failed, a proposal under way and the random generator."""
+        """Sample, its cost and failed segment, the current proposal and the random generator."""
         return {
             "sample": self._sample.tolist(),
             "cost": "inf" if self._cost == math.inf else self._cost,  # JSON has no infinity
@@ -122,7 +122,7 @@ class MetropolisHastings:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._sample = np.array(state["sample"])
         self._cost = None if state["cost"] is None else float(state["cost"])
         self._failed = state.get("failed", -1)  # studies of earlier versions have none
@@ -150,7 +150,7 @@ def propose(
     Args:
         settings: sizes of the step.
         space: bounds.
-        rng: source of chance.
+        rng: random generator.
         sample: shape (S, K).
         failed: segment in which the sample failed; -1 for none.
     """

@@ -1,4 +1,4 @@
-"""Offsets: parameters as steps away from the first guess, in logarithms and units of the space's `log_step`."""
+"""Offsets: logarithm of the ratio of parameters to the first guess, in units of the space's `log_step`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Offsets:
-    """How far all parameters are from the first guess.
+    """The map between parameters and their offsets from the first guess.
 
     Attributes:
-        space: what can be tuned.
+        space: names, bounds and step sizes of the parameters.
         first: shape (S, K), the first guess, within the bounds.
-        tied: one offset for all segments.
+        tied: the same offset in all segments.
     """
 
     space: ParameterSpace
@@ -28,7 +28,7 @@ class Offsets:
 
     @property
     def bounds(self) -> tuple[Floats, Floats]:
-        """Least and largest offsets, each of shape (d,); tied, as far as any segment may go."""
+        """Smallest and largest offsets, each of shape (d,); tied, those at which the last segment reaches its bound."""
         low, high = (np.log(bound / self.first) / self.space.log_step for bound in (self.space.low, self.space.high))
         return (low.min(axis=0), high.max(axis=0)) if self.tied else (low.ravel(), high.ravel())
 

@@ -19,14 +19,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ParticleSwarmSettings:
-    """What tells one swarm from another.
+    """Settings of the swarm.
 
     Attributes:
-        particles: how many.
-        inertia: share of its velocity that a particle keeps.
-        cognitive: pull towards a particle's own best place.
-        social: pull towards the swarm's best place.
-        spread: half width of the particles' first places around the first guess, in the unit box.
+        particles: number of particles.
+        inertia: w, share of its velocity that a particle keeps.
+        cognitive: c1, acceleration towards the best position of the particle itself.
+        social: c2, acceleration towards the best position of the swarm.
+        spread: half width of the first positions around the first guess, in the unit box.
         log: whether the unit box is one of logarithms; else of the parameters' own units.
     """
 
@@ -42,16 +42,16 @@ PRESETS: Mapping[str, ParticleSwarmSettings] = {"paper": ParticleSwarmSettings()
 
 
 class ParticleSwarm:
-    """Particles in a unit box; the first one begins at the first guess, the others around it. A turn moves all of them once.
+    """Particles in a unit box; the first one begins at the first guess, the others around it. An iteration moves all of them once.
 
-    Places are clipped at the box, and a velocity is set to nothing where that happens.
+    Positions are clipped at the box; where that happens, the velocity along that axis becomes 0.
     """
 
     def __init__(self, name: str, settings: ParticleSwarmSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
-        """Scatter the swarm."""
+        """Draw the first positions."""
         self._rng, self._box = rng, UnitBox(space, first_guess.shape, self.settings.log)
         self._first = space.clip(first_guess)
         count, size = self.settings.particles, first_guess.size
@@ -60,11 +60,11 @@ class ParticleSwarm:
         self._places: Floats = np.vstack([centre, np.clip(scattered, 0, 1)])
         self._velocities: Floats = np.zeros((count, size))
         self._best_places, self._best_costs = self._places.copy(), np.full(count, math.inf)
-        self._next, self._told = 0, 0  # particle to ask for, and to be told of
+        self._next, self._reported = 0, 0  # next particle to be flown, and next one whose score is reported
         self._flown = 0
 
     def ask(self, n: int) -> Parameters:
-        """The next particles of the turn, shape (1 to n, S, K)."""
+        """The next particles of the iteration, shape (1 to n, S, K)."""
         last = min(self._next + n, self.settings.particles)
         asked = self._box.decode(self._places[self._next : last])
         if self._flown == 0 and self._next == 0:
@@ -73,37 +73,37 @@ class ParticleSwarm:
         return asked
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Remember the best places; when the turn is over, move. True where a particle found its best place."""
+        """Store the best positions; at the end of the iteration, move. True where a particle has its best position so far."""
         better = np.zeros(len(parameters), dtype=np.bool_)
         for i, cost in enumerate(scores.cost.tolist()):
-            particle = self._told
+            particle = self._reported
             if math.isfinite(cost) and cost < self._best_costs[particle]:
                 self._best_costs[particle], better[i] = cost, True
                 self._best_places[particle] = self._places[particle]
-            self._told += 1
+            self._reported += 1
             self._flown += 1
-        if self._told == self.settings.particles:
+        if self._reported == self.settings.particles:
             self._move()
-            self._next = self._told = 0
+            self._next = self._reported = 0
         return better
 
     def state(self) -> dict[str, Any]:
-        """The swarm and the random generator."""
+        """Positions, velocities, best positions and the random generator."""
         return {
             "places": self._places.tolist(),
             "velocities": self._velocities.tolist(),
             "best_places": self._best_places.tolist(),
             "best_costs": [cost if math.isfinite(cost) else None for cost in self._best_costs.tolist()],
-            "counts": [self._next, self._told, self._flown],
+            "counts": [self._next, self._reported, self._flown],
             "rng": self._rng.bit_generator.state,
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._places, self._velocities = np.array(state["places"]), np.array(state["velocities"])
         self._best_places = np.array(state["best_places"])
         self._best_costs = np.array([math.inf if cost is None else cost for cost in state["best_costs"]])
-        self._next, self._told, self._flown = state["counts"]
+        self._next, self._reported, self._flown = state["counts"]
         self._rng.bit_generator.state = state["rng"]
 
     def _move(self) -> None:

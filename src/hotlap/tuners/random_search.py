@@ -1,4 +1,4 @@
-"""Random search: parameters drawn without regard to what was flown; the least that a tuner must beat."""
+"""Random search: independent random parameters, whatever the scores; the baseline of every tuner."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from hotlap.core.records import Scores
 
 
 class Draw(StrEnum):
-    """Where parameters are drawn from.
+    """Distribution of the parameters.
 
-    AROUND: uniformly around the first guess, each axis by itself, mirrored at the bounds.
-    UNIFORM: uniformly within the bounds, each axis by itself.
-    LOG_UNIFORM: uniformly in logarithms within the bounds, one draw for all segments.
+    AROUND: uniform around the first guess, independent axes, mirrored at the bounds.
+    UNIFORM: uniform within the bounds, independent axes.
+    LOG_UNIFORM: uniform in logarithms within the bounds, the same in all segments.
     """
 
     AROUND = "around"
@@ -30,11 +30,11 @@ class Draw(StrEnum):
 
 @dataclass(frozen=True)
 class RandomSearchSettings:
-    """What tells one search from another.
+    """Settings of random search.
 
     Attributes:
-        draw: where parameters are drawn from.
-        variance: of each axis, in its own units squared, for AROUND.
+        draw: distribution of the parameters.
+        variance: variance of each axis, in its own unit squared, for AROUND.
     """
 
     draw: Draw
@@ -49,7 +49,7 @@ PRESETS: Mapping[str, RandomSearchSettings] = {
 
 
 class RandomSearch:
-    """Independent draws, after the first guess itself; it learns nothing."""
+    """Independent draws after the first guess itself; scores have no influence."""
 
     def __init__(self, name: str, settings: RandomSearchSettings) -> None:
         self.name, self.settings = name, settings
@@ -67,8 +67,8 @@ class RandomSearch:
         fresh += [self._draw() for _ in range(n - len(fresh))]
         return np.array(fresh)
 
-    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  it learns nothing
-        """Nothing comes of it: no draw is gone on from."""
+    def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  scores have no influence
+        """Always False: no draw depends on an earlier one."""
         return np.zeros(len(parameters), dtype=np.bool_)
 
     def state(self) -> dict[str, Any]:
@@ -76,7 +76,7 @@ class RandomSearch:
         return {"asked": self._asked, "rng": self._rng.bit_generator.state}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._asked = state["asked"]
         self._rng.bit_generator.state = state["rng"]
 

@@ -1,10 +1,11 @@
-"""Safe Bayesian optimisation, for tuning on hardware: no flight is asked for that is expected to fall below a floor.
+"""Safe Bayesian optimisation, for tuning on hardware: only parameters whose lower confidence bound is above a safety limit are flown.
 
 SafeOpt: Sui, Gotovos, Burdick, Krause, ICML 2015; without a Lipschitz constant and for quadrotors: Berkenkamp, Schoellig, Krause,
-ICRA 2016. One line after another through many dimensions: LineBO, Kirschner and others, ICML 2019.
+ICRA 2016. Search along one line after another in many dimensions: LineBO, Kirschner and others, ICML 2019.
 
-The performance is J = -log(1 + dense cost); the floor J_min is the first guess's, less a tolerance. It is kept by the performance
-without noise, with confidence beta and if the prior is true: single flights fall below it by chance, as some of the first guess do.
+The performance is J = -log(1 + dense cost); the safety limit J_min, called the floor, is the mean performance of the first guess minus a
+tolerance. The performance without noise stays above it with confidence beta if the prior is right; the noisy performance of a single
+flight can fall below it, also with the first guess.
 """
 
 from __future__ import annotations
@@ -25,23 +26,23 @@ from hotlap.tuners.surrogates.gaussian_process import Posterior, Prior
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-DEPTH = 2.0  # of the signal's standard deviations below the floor: what is worse counts as that
-PRIOR = Prior(length=2.0, signal=2.0, noise=0.7)  # the likeliest for flights of ten random tracks, along lines through the default
-WORST = -800.0  # performance of a flight without a cost; the largest number's is -710
+DEPTH = 2.0  # in standard deviations of the signal: performances further below the floor are raised to this depth
+PRIOR = Prior(length=2.0, signal=2.0, noise=0.7)  # the likeliest for flights on ten random tracks, along lines through the default
+WORST = -800.0  # performance of a flight without a finite cost; that of the largest float is -710
 
 
 @dataclass(frozen=True)
 class SafeBayesianSettings:
-    """What tells one search from another; lengths are in steps of `log_step`, performances in natural logarithms.
+    """Settings of the search; lengths are in units of `log_step`, performances in natural logarithms.
 
     Attributes:
-        subspace: directions searched together, as far as a controller has them; where it has none, random lines through all axes.
-        line: flights on a line.
-        tolerance: times the first guess's 1 + dense cost that is still at the floor.
-        baseline: flights of the first guess, at least, that the floor and the noise are taken from.
+        subspace: directions that are searched together, if the controller has such parameters; without any, random lines in all axes.
+        line: number of flights on a line.
+        tolerance: ratio of 1 + dense cost at the floor to that of the first guess.
+        baseline: least number of flights of the first guess, from which floor and noise are estimated.
         beta: standard deviations from the mean to the confidence bounds, beta^(1/2) in the papers.
-        prior: what is believed of the performance; its noise is the least, the baseline may show more.
-        optimistic: fly the highest upper bound of the safe set; else the most uncertain of its maximisers and expanders.
+        prior: Gaussian process of the performance before flights; its noise is a lower limit of the one estimated from the baseline.
+        optimistic: fly the point of highest upper bound in the safe set; else the most uncertain of its maximisers and expanders.
         dense: use the dense cost, else the metric.
     """
 
@@ -65,17 +66,17 @@ PRESETS: Mapping[str, SafeBayesianSettings] = {
 
 
 class SafeBayesian:
-    """Flies the first guess, then what is safe with confidence. Each `ask` gives one proposal, the same one until it is told.
+    """Flies the first guess, then safe parameters only. Each `ask` gives one proposal, the same one until its score is reported.
 
-    If the first guess crashes, which is to have no cost or to pass no gate, no safe set is known. The search then goes on in the
-    smallest steps from the best flight so far, without any assurance, until a flight passes a gate: that one becomes the first guess.
+    If the first guess crashes (no finite cost, or no gate passed), no safe set is known. Then the search takes the smallest steps from
+    the best flight so far, without safety, until a flight passes a gate: its parameters replace the first guess.
     """
 
     def __init__(self, name: str, settings: SafeBayesianSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
-        """Begin at the first guess; a point, shape (K,), is how far all segments are moved from it."""
+        """Begin at the first guess; a point, shape (K,), is the offset from it, the same in all segments."""
         self._space, self._rng = space, rng
         self._first = space.clip(first_guess)
         self._low = ((np.log(space.low) - np.log(self._first)) / space.log_step).min(axis=0)
@@ -88,16 +89,16 @@ class SafeBayesian:
         self._crashed: list[bool] = []
         self._proposal: Floats | None = np.zeros(space.size)
         self._lattice = self._lay(self._proposal)
-        self._left = 0  # flights on the line
+        self._left = 0  # flights left on the line
 
-    def ask(self, n: int) -> Parameters:  # noqa: ARG002  one at a time: every flight tells what is safe
+    def ask(self, n: int) -> Parameters:  # noqa: ARG002  one at a time: every flight changes the safe set
         """The proposal, shape (1, S, K), whatever n; the first one is the first guess."""
         if self._proposal is None:
             self._proposal = self._propose()
         return self._decode(self._proposal)[None]
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  they are the proposal's
-        """Remember; true where the flight is the best so far."""
+        """Store point and performance; True where the flight has the highest performance so far."""
         [cost], [completion] = (scores.dense if self.settings.dense else scores.cost).tolist(), scores.completion.tolist()
         performance = -math.log1p(max(cost, 0.0)) if math.isfinite(cost) else WORST
         better = performance >= max(self._performances, default=WORST)
@@ -109,7 +110,7 @@ class SafeBayesian:
         return np.array([better])
 
     def state(self) -> dict[str, Any]:
-        """Every flight, the lattice, a proposal under way, the random generator; and, to be read, the violations."""
+        """All flights, the lattice, the current proposal and the random generator; also the number of violations, for the reader."""
         return {
             "points": [list(point) for point in self._points],
             "performances": list(self._performances),
@@ -122,7 +123,7 @@ class SafeBayesian:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._points = [list(point) for point in state["points"]]
         self._performances, self._crashed = list(state["performances"]), list(state["crashed"])
         self._proposal = None if state["proposal"] is None else np.array(state["proposal"])
@@ -132,16 +133,16 @@ class SafeBayesian:
 
     @property
     def floor(self) -> float:
-        """J_min: mean performance of the first guess, less log(tolerance); without limit as long as all flights have crashed."""
+        """J_min: mean performance of the first guess minus log(tolerance); minus infinity as long as all flights have crashed."""
         return -math.inf if all(self._crashed) else float(self._baseline().mean()) - math.log(self.settings.tolerance)
 
     @property
     def violations(self) -> int:
-        """Flights below the floor, those of the first guess among them."""
+        """Number of flights below the floor, including those of the first guess."""
         return int((np.array(self._performances) < self.floor).sum())
 
     def report(self) -> str:
-        """The violations in words."""
+        """The number of violations, as a sentence."""
         flights = len(self._performances)
         if all(self._crashed):
             return f"no safe parameters are known: all of {flights} flights crashed"
@@ -150,18 +151,18 @@ class SafeBayesian:
         return f"{self.violations} of {flights} flights below the floor, which is a cost of {level:.3g}; {known}"
 
     def _anchor(self) -> list[float]:
-        """The initial safe set S_0: the first point that was flown without a crash."""
+        """The initial safe set S_0: the point of the first flight without a crash."""
         return self._points[self._crashed.index(False)]
 
     def _baseline(self) -> Floats:
-        """Performances of the first guess, of flights that did not crash."""
+        """Performances of the flights at S_0 that did not crash, shape (n,)."""
         anchor, flights = self._anchor(), zip(self._points, self._performances, self._crashed, strict=True)
         return np.array([performance for point, performance, crashed in flights if point == anchor and not crashed])
 
     def _propose(self) -> Floats:
-        """The next point."""
+        """The next point, shape (K,)."""
         if all(self._crashed):
-            return self._creep()
+            return self._smallest_step()
         if self._points.count(self._anchor()) < self.settings.baseline:
             return np.array(self._anchor())
         posterior = self._posterior()
@@ -170,19 +171,19 @@ class SafeBayesian:
         points = np.vstack([self._anchor(), self._lattice.points(self._low, self._high)])
         return points[choose(posterior, points, self.floor, self.settings)]
 
-    def _creep(self) -> Floats:
-        """One spacing, in a random direction, from the best flight, the latest of equals."""
+    def _smallest_step(self) -> Floats:
+        """A step of one spacing, in a random direction, from the best flight; of equally good ones the latest."""
         best = max(range(len(self._points)), key=lambda i: (self._performances[i], i))
         return np.clip(self._points[best] + SPACING * draw_direction(self._axes, self._rng)[0], self._low, self._high)
 
     def _posterior(self) -> Posterior:
-        """After all flights; away from them the performance is believed to be at the floor."""
+        """The process of the performance given all flights; its prior mean is the floor."""
         prior, noise = self.settings.prior, float(self._baseline().std())
         values = np.maximum(self._performances, self.floor - DEPTH * prior.signal)
         return replace(prior, noise=max(prior.noise, noise)).condition(np.array(self._points), values, self.floor)
 
     def _follow_line(self, posterior: Posterior) -> None:
-        """Count flights on a line; when it is done, lay the next one through the flight of the highest lower bound."""
+        """Count the flights on a line; after the last one, choose the next line through the flight of highest lower bound."""
         if self._left == 0:
             flown = np.array(self._points)
             mean, deviation = posterior.predict(flown)
@@ -191,18 +192,18 @@ class SafeBayesian:
         self._left -= 1
 
     def _lay(self, origin: Floats) -> Lattice:
-        """The subspace, or a random line, through a point."""
+        """A lattice through a point: along the subspace, or along a random line."""
         axes = draw_direction(self._axes, self._rng) if self._lines else self._axes
         return Lattice(origin, axes, SPACING * self._rng.random(len(axes)))
 
     def _decode(self, point: Floats) -> Parameters:
-        """Parameters at a point, shape (S, K); exactly the first guess where nothing is moved."""
+        """Parameters at a point, shape (S, K); exactly the first guess where the offset is 0."""
         moved = self._space.clip(np.exp(np.log(self._first) + point * self._space.log_step))
         return np.where(point == 0.0, self._first, moved)
 
 
 def choose(posterior: Posterior, points: Floats, floor: float, settings: SafeBayesianSettings) -> int:
-    """Index of the next point: of the safe set S_n = {l_n >= J_min}, of which the first point always is.
+    """Index of the next point, which lies in the safe set S_n = {l_n >= J_min}; the first point always counts as safe.
 
     SafeOpt takes the widest bounds of the maximisers M_n = {u_n >= max l_n} and the expanders G_n (Berkenkamp and others, Sec. IV).
     """
@@ -219,16 +220,16 @@ def choose(posterior: Posterior, points: Floats, floor: float, settings: SafeBay
 
 
 def expanders(posterior: Posterior, points: Floats, unsafe: Floats, floor: float, beta: float) -> Flags:
-    """Whether a point, were it as good as its upper bound, would make an unsafe one safe: g_n > 0, shape (m,).
+    """Whether a performance at a point equal to its upper bound would make an unsafe point safe: g_n > 0, shape (m,).
 
-    Differs from the authors' code: the supposed performance is u_n without noise, since u_n bounds that.
+    Differs from the authors' code: the assumed performance u_n has no noise, since u_n is a bound of the performance without noise.
 
     Args:
-        posterior: of the performance.
+        posterior: process of the performance.
         points: shape (m, K).
         unsafe: shape (n, K).
         floor: J_min.
-        beta: standard deviations from mean to bound.
+        beta: number of standard deviations between mean and bound.
     """
     deviation = posterior.predict(points)[1]
     mean, old = posterior.predict(unsafe)

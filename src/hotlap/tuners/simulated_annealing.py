@@ -1,4 +1,4 @@
-"""Simulated annealing: the sampler with a temperature that falls from flight to flight (Kirkpatrick and others, Science 1983).
+"""Simulated annealing: the sampler with a temperature that decreases from flight to flight (Kirkpatrick and others, Science 1983).
 
 The paper notes that its sampler is annealing at constant temperature, and claims that cooling needs many more samples (Sec. IV-A).
 """
@@ -20,7 +20,7 @@ from hotlap.tuners.metropolis_hastings import MetropolisHastings, MetropolisHast
 
 
 class Cooling(StrEnum):
-    """How temperature falls: by a constant factor, or as slowly as convergence in probability asks for."""
+    """How the temperature decreases: by a constant factor, or as slowly as convergence in probability needs."""
 
     GEOMETRIC = "geometric"
     LOGARITHMIC = "logarithmic"
@@ -28,13 +28,13 @@ class Cooling(StrEnum):
 
 @dataclass(frozen=True)
 class SimulatedAnnealingSettings:
-    """What tells one annealing from another.
+    """Settings of simulated annealing.
 
     Attributes:
-        walk: steps, score and rollback; its temperature is that of the first decision.
-        cooling: how temperature falls.
-        factor: of the temperature from flight to flight, for GEOMETRIC.
-        coldest: temperature below which it does not fall.
+        walk: settings of the sampler; its temperature is that of the first decision.
+        cooling: how the temperature decreases.
+        factor: ratio of the temperatures of consecutive flights, for GEOMETRIC.
+        coldest: lowest temperature.
     """
 
     walk: MetropolisHastingsSettings
@@ -43,7 +43,7 @@ class SimulatedAnnealingSettings:
     coldest: float = 0.1
 
     def temperature(self, decisions: int) -> float:
-        """Of the decision after so many others; a budget is not known, so nothing depends on it."""
+        """Temperature of a decision, given the number of decisions before it; it does not depend on the budget, which is not known."""
         shares = {
             Cooling.GEOMETRIC: self.factor**decisions,  # T_k = a^k T_0, Kirkpatrick and others
             Cooling.LOGARITHMIC: math.log(2.0) / math.log(2.0 + decisions),  # T_k = c / log(k), Geman, Geman, PAMI 1984
@@ -51,7 +51,7 @@ class SimulatedAnnealingSettings:
         return max(self.walk.temperature * shares[self.cooling], self.coldest)
 
 
-HOT = 30.0  # seconds of cost: a few gates missed
+HOT = 30.0  # [s] of cost: a few missed gates
 _TIED = MetropolisHastingsSettings(0.3, Scale.LOG, tied=1.0, temperature=HOT)
 _PAPER = MetropolisHastingsSettings(5.0, Scale.RAW, tied=0.0, temperature=HOT)
 
@@ -71,7 +71,7 @@ class SimulatedAnnealing:
         self._chain = MetropolisHastings(name, settings.walk)
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
-        """Begin at the first guess, hot."""
+        """Begin at the first guess, at the first temperature."""
         self._chain.start(first_guess, space, rng)
         self._flown = 0
 
@@ -80,16 +80,16 @@ class SimulatedAnnealing:
         return self._chain.ask(n)
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Accept the proposal, or keep the current sample; then cool."""
-        self._chain.temperature = self.settings.temperature(max(self._flown - 1, 0))  # the first guess is taken without decision
+        """Accept the proposal, or keep the current sample; then lower the temperature."""
+        self._chain.temperature = self.settings.temperature(max(self._flown - 1, 0))  # the first guess is accepted without a decision
         self._flown += len(parameters)
         return self._chain.tell(parameters, scores)
 
     def state(self) -> dict[str, Any]:
-        """That of the chain, and the flights so far."""
+        """State of the chain, and the number of flights."""
         return {"flown": self._flown, "chain": self._chain.state()}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._flown = state["flown"]
         self._chain.restore(state["chain"])

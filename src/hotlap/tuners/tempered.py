@@ -1,7 +1,7 @@
-"""Several chains at several temperatures that swap samples, and chains that try several proposals at once.
+"""Parallel tempering, chains at several temperatures that swap samples, and multiple-try Metropolis, several proposals for each step.
 
 Parallel tempering: Geyer, "Markov chain Monte Carlo maximum likelihood", 1991. Multiple-try Metropolis: Liu, Liang, Wong, JASA 2000.
-The honest control is `independent`: as many chains, at the sampler's own temperature, that never meet, on the same flights.
+The preset `independent` is the control: as many chains, all at temperature 1, without swaps, in the same number of flights.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from hotlap.tuners.metropolis_hastings import MetropolisHastingsSettings, negati
 
 Floats = NDArray[np.float64]
 
-WORST = 1e200  # cost of what has none: its logarithmic score is a number, and less than any other
+WORST = 1e200  # cost of a flight without a finite cost, so that its logarithmic score is finite too
 
 
 class Phase(StrEnum):
-    """What is being flown: the first guess, proposals of all chains, or the points around a chosen proposal that it is held against."""
+    """What is being flown: the first guess, proposals of all chains, or the reference points around the chosen proposals."""
 
     FIRST = "first"
     TRIES = "tries"
@@ -35,13 +35,13 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True)
 class TemperedSettings:
-    """What tells one set of chains from another.
+    """Settings of the chains.
 
     Attributes:
-        walk: steps and score of every chain; its own temperature is not used.
-        temperatures: of the chains, from cold to hot.
-        swaps: whether neighbours may exchange their samples after every step.
-        tries: proposals of a chain's step; more than one cost `tries - 1` flights more, of references.
+        walk: settings of the sampler, for every chain; its temperature is not used.
+        temperatures: temperature of each chain, in increasing order.
+        swaps: whether chains of neighbouring temperatures may exchange their samples after every step.
+        tries: proposals for each step of a chain; more than one need `tries - 1` further flights, of reference points.
     """
 
     walk: MetropolisHastingsSettings
@@ -61,9 +61,9 @@ PRESETS: Mapping[str, TemperedSettings] = {
 
 
 class Tempered:
-    """Chains in step with each other: a round is flown whole, in pieces or at once, before any chain goes on.
+    """Chains that advance together: all flights of a round are complete, in any batches, before the next round is drawn.
 
-    All begin at the first guess, which is flown once. A step of the walk must be symmetric, as that of `Reach.ALL` is.
+    All chains begin at the first guess, which is flown once. A step of the walk must be symmetric, as that of `Reach.ALL` is.
     """
 
     def __init__(self, name: str, settings: TemperedSettings) -> None:
@@ -76,52 +76,59 @@ class Tempered:
         self._samples: Parameters = np.repeat(first[None], count, axis=0)
         self._energies: Floats = np.full(count, WORST)  # -log d at temperature 1
         self._phase, self._round = Phase.FIRST, first[None]
-        self._told: list[float] = []  # energies of the round, as far as it was flown
+        self._reported: list[float] = []  # energies of the round, as far as its scores are reported
         self._chosen, self._chosen_energies = self._samples.copy(), self._energies.copy()
         self._gains: Floats = np.zeros(count)  # log of the summed scores of all tries
         self._steps = 0
 
     def ask(self, n: int) -> Parameters:
-        """What is left of the round, shape (1 to n, S, K)."""
-        return self._round[len(self._told) : len(self._told) + n].copy()
+        """The rest of the round, at most n, shape (1 to n, S, K)."""
+        return self._round[len(self._reported) : len(self._reported) + n].copy()
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Decide about every chain once its part of the round is flown.
+        """Accept or reject the proposals of every chain whose part of the round is complete.
 
         Returns:
-            Shape (B,), what was accepted; with several tries nothing is, because references are flown in between.
+            Shape (B,), True where a proposal is accepted; always False with several tries, where reference points are flown before the
+            decision.
         """
         accepted = np.zeros(len(parameters), dtype=np.bool_)
         for i, cost in enumerate(scores.cost.tolist()):
-            cost = min(cost, WORST) if math.isfinite(cost) else WORST  # noqa: PLW2901  the same cost, as a number
-            self._told.append(negative_log_score(self.settings.walk.score, cost))
+            cost = min(cost, WORST) if math.isfinite(cost) else WORST  # noqa: PLW2901  the same cost, made finite
+            self._reported.append(negative_log_score(self.settings.walk.score, cost))
             if self._phase is Phase.FIRST:
-                self._energies[:] = self._told[-1]
+                self._energies[:] = self._reported[-1]
                 accepted[i] = True
             elif self._phase is Phase.TRIES and self.settings.tries == 1:
-                chain = len(self._told) - 1
-                self._choose(chain, self._round[chain : chain + 1], np.array(self._told[-1:]))
+                chain = len(self._reported) - 1
+                self._choose(chain, self._round[chain : chain + 1], np.array(self._reported[-1:]))
                 accepted[i] = self._decide(chain, np.empty(0))
-            if len(self._told) == len(self._round):
+            if len(self._reported) == len(self._round):
                 self._finish()
         return accepted
 
     def state(self) -> dict[str, Any]:
-        """Chains, the round under way and the random generator."""
+        """Chains, the current round and the random generator."""
         arrays = {name: getattr(self, f"_{name}").tolist() for name in _ARRAYS}
-        return {**arrays, "told": [*self._told], "phase": str(self._phase), "steps": self._steps, "rng": self._rng.bit_generator.state}
+        return {
+            **arrays,
+            "reported": [*self._reported],
+            "phase": str(self._phase),
+            "steps": self._steps,
+            "rng": self._rng.bit_generator.state,
+        }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         for name in _ARRAYS:
             setattr(self, f"_{name}", np.array(state[name]))
-        self._told, self._phase, self._steps = [*state["told"]], Phase(state["phase"]), state["steps"]
+        self._reported, self._phase, self._steps = [*state["reported"]], Phase(state["phase"]), state["steps"]
         self._rng.bit_generator.state = state["rng"]
 
     def _finish(self) -> None:
-        """The round is flown: decide what is not decided yet, and draw the next."""
+        """Take the decisions that are left at the end of a round, and draw the next round."""
         tries, count = self.settings.tries, len(self._samples)
-        energies = np.array(self._told)
+        energies = np.array(self._reported)
         if self._phase is Phase.TRIES and tries > 1:
             for chain in range(count):
                 mine = slice(chain * tries, (chain + 1) * tries)
@@ -136,13 +143,13 @@ class Tempered:
         self._begin(Phase.TRIES, self._samples, tries)
 
     def _begin(self, phase: Phase, centres: Parameters, each: int) -> None:
-        """Draw a round: so many steps from the centre of each chain."""
+        """Draw a round: `each` proposals from the centre of each chain."""
         walk = self.settings.walk
         drawn = [propose(walk, self._space, self._rng, centre, failed=-1) for centre in centres for _ in range(each)]
-        self._phase, self._round, self._told = phase, np.array(drawn), []
+        self._phase, self._round, self._reported = phase, np.array(drawn), []
 
     def _choose(self, chain: int, tries: Parameters, energies: Floats) -> None:
-        """Pick one of a chain's tries, with probability proportional to its score."""
+        """Choose one of the tries of a chain with a probability proportional to its score."""
         scores = -energies / self.settings.temperatures[chain]
         perturbed = scores + self._rng.gumbel(size=len(scores)) if len(scores) > 1 else scores  # the largest is a draw ~ exp(scores)
         index = int(np.argmax(perturbed))
@@ -151,14 +158,14 @@ class Tempered:
 
     def _decide(self, chain: int, references: Floats) -> bool:
         """Accept the chosen try with min(1, sum_j d(y_j) / sum_j d(x*_j)), x*_k = x; of one try that is the paper's rule."""
-        held = -np.append(references, self._energies[chain]) / self.settings.temperatures[chain]
-        accepted = bool(np.logaddexp.reduce(held) - self._gains[chain] <= self._rng.standard_exponential())
+        scores = -np.append(references, self._energies[chain]) / self.settings.temperatures[chain]
+        accepted = bool(np.logaddexp.reduce(scores) - self._gains[chain] <= self._rng.standard_exponential())
         if accepted:
             self._samples[chain], self._energies[chain] = self._chosen[chain], self._chosen_energies[chain]
         return accepted
 
     def _swap(self) -> None:
-        """Exchange samples of neighbours with min(1, exp((1/T_i - 1/T_j) (E_i - E_j))); pairs alternate from step to step."""
+        """Exchange samples of neighbours with probability min(1, exp((1/T_i - 1/T_j) (E_i - E_j))); pairs alternate between steps."""
         temperatures = self.settings.temperatures
         for i in range(self._steps % 2, len(temperatures) - 1, 2):
             gain = (1 / temperatures[i] - 1 / temperatures[i + 1]) * (self._energies[i] - self._energies[i + 1])

@@ -1,11 +1,12 @@
 """TuRBO-1: Bayesian optimisation in one trust region (Eriksson, Pearce, Gardner, Turner, Poloczek, NeurIPS 2019).
 
-A box around the best point, longer along axes on which the cost depends less, doubles after successes and halves after failures;
-what is flown next is the lowest of many candidates in it, by a function drawn from a Gaussian process (Thompson sampling). A box that
-has become too small is given up, and another begun from new points. Parameters lie in a unit box, of logarithms or of their own units.
+The trust region is a box around the best point, longer along axes of longer length scale; its sides double after successes and halve
+after failures. The next flight is the candidate in the box at which a function drawn from a Gaussian process is lowest (Thompson
+sampling). When the box is too small, the search restarts from new points. Parameters are scaled to a unit box, of logarithms or of
+their own units.
 
-Differs from the released code: the centre is the point of lowest posterior mean, as the paper has it for noisy costs; a function is
-drawn by Matheron's rule and without noise; the kernel is refitted every few flights, from the last one.
+Differs from the released code: the centre is the point of lowest posterior mean, as in the paper for noisy costs; a function is
+drawn by Matheron's rule and without noise; the kernel is fitted again every `REFIT` flights, beginning at the last one.
 """
 
 from __future__ import annotations
@@ -26,27 +27,27 @@ from hotlap.tuners.unit_box import UnitBox, latin_hypercube
 Floats = NDArray[np.float64]
 
 FIRST_SIDE, LEAST_SIDE, LARGEST_SIDE = 0.8, 2**-7, 1.6  # L_init, L_min, L_max
-SUCCESSES = 3  # in a row, after which the box doubles
-LEAST_FAILURES = 4  # flights in a row, or one for each axis, after which it halves
+SUCCESSES = 3  # consecutive ones, after which the sides double
+LEAST_FAILURES = 4  # consecutive flights, or as many as axes if these are more, after which the sides halve
 GAIN = 1e-3  # share of the best cost by which a success must be lower
-FIRST_LENGTH, FIRST_NOISE = 0.5, 0.005  # where the likelihood is climbed from
+FIRST_LENGTH, FIRST_NOISE = 0.5, 0.005  # where the ascent of the likelihood begins
 LENGTHS, NOISES = (0.005, 2.0), (5e-4, 0.2)  # bounds of the likelihood's ascent, in the unit box: released code
-REFIT = 5  # flights between climbs
-CANDIDATES = (100, 5000)  # for each axis, and at most; the power of two below is taken
-MOVED = 20  # axes along which a candidate leaves the centre, on average
+REFIT = 5  # flights between fits of the kernel
+CANDIDATES = (100, 5000)  # number for each axis, and largest number; rounded down to a power of two
+MOVED = 20  # mean number of axes along which a candidate differs from the centre
 LEAST_INITIAL = 10
 MEMORY = 300  # points that the process is fitted to
-WORST = 1e12  # what a cost counts as at most
+WORST = 1e12  # limit of a cost, of either sign
 
 
 @dataclass(frozen=True)
 class TrustRegionSettings:
-    """What tells one search from another.
+    """Settings of the search.
 
     Attributes:
-        initial: space-filling points for each axis, at least `LEAST_INITIAL` points, before the process guides. The released code
-            recommends 2; with 35 axes these would be a third of 200 flights, hence 1.
-        batch: most flights that are drawn at once.
+        initial: space-filling points for each axis, in all at least `LEAST_INITIAL`, before the process is used. The released code
+            recommends 2; with 35 axes that would be a third of 200 flights, hence 1.
+        batch: largest number of flights that are drawn at once.
         log: whether the unit box is one of logarithms; else of the parameters' own units.
         tied: one set of parameters for all segments.
         dense: use the dense cost, else the metric.
@@ -68,13 +69,13 @@ PRESETS: Mapping[str, TrustRegionSettings] = {
 
 
 class TrustRegion:
-    """One trust region after the other. An ask gives what waits to be flown, the same until it is told."""
+    """One trust region after the other. An ask gives the points to be flown, the same until their scores are reported."""
 
     def __init__(self, name: str, settings: TrustRegionSettings) -> None:
         self.name, self.settings = name, settings
 
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
-        """Begin with the first guess, and points that fill the space."""
+        """Begin with the first guess and space-filling points."""
         self._rng, self._box = rng, UnitBox(space, first_guess.shape, self.settings.log, self.settings.tied)
         self._first, self._flown = space.clip(first_guess), 0
         guess = self._box.encode(self._first)
@@ -82,7 +83,7 @@ class TrustRegion:
         self._begin(guess[None])
 
     def ask(self, n: int) -> Parameters:
-        """At most n points that wait, shape (1 to n, S, K); the first one is the first guess."""
+        """At most n points that are to be flown, shape (1 to n, S, K); the first one is the first guess."""
         if not len(self._waiting):
             self._waiting = self._draw(min(n, self.settings.batch))
         parameters = self._box.decode(self._waiting[:n])
@@ -91,11 +92,11 @@ class TrustRegion:
         return parameters
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Remember, and adjust the box; true where a flight is the best of this box so far."""
+        """Store points and costs, and adjust the box; True where a flight has the lowest cost of this box so far."""
         costs = np.nan_to_num(np.clip(scores.dense if self.settings.dense else scores.cost, -WORST, WORST), nan=WORST)
         count, before = len(parameters), self._costs
-        told, self._waiting = self._waiting[:count], self._waiting[count:]
-        self._points, self._costs = np.vstack([self._points, told]), np.append(before, costs)
+        reported, self._waiting = self._waiting[:count], self._waiting[count:]
+        self._points, self._costs = np.vstack([self._points, reported]), np.append(before, costs)
         self._flown += count
         if len(self._costs) > self._initial:
             self._adjust(float(before.min()), costs)
@@ -103,7 +104,7 @@ class TrustRegion:
         return np.asarray((costs <= known[:-1]) & (costs < WORST), dtype=np.bool_)
 
     def state(self) -> dict[str, Any]:
-        """What this box knows, what waits, and the random generator."""
+        """Flights of this box, points to be flown, size and counts of the box, and the random generator."""
         kernel = self._kernel
         return {
             "points": self._points.tolist(),
@@ -116,7 +117,7 @@ class TrustRegion:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._points, self._waiting = (np.array(state[name], dtype=np.float64).reshape(-1, self._size) for name in ("points", "waiting"))
         self._costs, self._side = np.array(state["costs"], dtype=np.float64), state["side"]
         self._flown, self._initial, self._successes, self._failures, self._fitted = state["counts"]
@@ -124,7 +125,7 @@ class TrustRegion:
         self._rng.bit_generator.state = state["rng"]
 
     def _begin(self, points: Floats) -> None:
-        """A new box: nothing is known, and some points and those that fill the space wait."""
+        """A new box without flights; given points and space-filling ones are to be flown."""
         filling = latin_hypercube(max(LEAST_INITIAL, round(self.settings.initial * self._size)), self._size, self._rng)
         self._waiting: Floats = np.vstack([points, filling])
         self._initial = len(self._waiting)
@@ -134,7 +135,7 @@ class TrustRegion:
         self._fitted = 0
 
     def _adjust(self, best: float, costs: Floats) -> None:
-        """Count successes, batches that improve on the best cost, and failures, flights of the others: tau_fail = max(4, d) / q batches."""
+        """Count successes (batches that lower the best cost) and failures (flights of other batches): tau_fail = max(4, d) / q batches."""
         if costs.min() < best - GAIN * abs(best):
             self._successes, self._failures = self._successes + 1, 0
         else:
@@ -147,7 +148,7 @@ class TrustRegion:
             self._begin(np.empty((0, self._size)))
 
     def _draw(self, count: int) -> Floats:
-        """For each of `count` functions drawn from the posterior the lowest candidate, none twice, shape (count, d)."""
+        """For each of `count` functions drawn from the posterior the candidate where it is lowest, none twice, shape (count, d)."""
         points, costs = self._remembered()
         if self._kernel is None or len(self._costs) - self._fitted >= REFIT:
             start = self._kernel or Kernel(FIRST_LENGTH, FIRST_NOISE)
@@ -163,7 +164,7 @@ class TrustRegion:
         return candidates[chosen]
 
     def _candidates(self, centre: Floats, lengths: Floats) -> Floats:
-        """Points that fill the box, each moved back to the centre along some axes if there are many, shape (count, d)."""
+        """Space-filling points of the box; with more than `MOVED` axes each equals the centre along some of them. Shape (count, d)."""
         sides = self._side * lengths / np.exp(np.log(lengths).mean())  # L_i = lambda_i L / (prod lambda_j)^(1/d), Sec. 2
         low, high = np.clip(centre - sides / 2, 0, 1), np.clip(centre + sides / 2, 0, 1)
         per_axis, most = CANDIDATES
@@ -173,7 +174,7 @@ class TrustRegion:
         return np.where(moved, points, centre)
 
     def _remembered(self) -> tuple[Floats, Floats]:
-        """Points and costs to fit: all, or the best and the latest half of `MEMORY`; what counts as worst is put just above the others."""
+        """At most `MEMORY` points and costs to fit, half the best, half the latest; costs at `WORST` are lowered to above the others."""
         latest = np.arange(max(0, len(self._costs) - MEMORY // 2), len(self._costs))
         chosen = np.union1d(np.argsort(self._costs, kind="stable")[: MEMORY // 2], latest)
         costs = self._costs[chosen]
@@ -183,7 +184,7 @@ class TrustRegion:
 
 
 def shifted_sobol(count: int, size: int, rng: np.random.Generator) -> Floats:
-    """Sobol's points, the power of two next below `count`, randomly shifted around the unit box (Cranley, Patterson, 1976)."""
+    """Sobol points in the unit box, shifted at random modulo 1 (Cranley, Patterson, 1976), `count` rounded down to a power of two."""
     from scipy.stats.qmc import Sobol  # noqa: PLC0415  it loads scipy.stats
 
     points = Sobol(size, scramble=False).random_base2(int(np.log2(count)))

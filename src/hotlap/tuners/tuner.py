@@ -1,4 +1,4 @@
-"""Tuner: the protocol that every tuning algorithm answers to: ask for parameters, tell what they were worth."""
+"""Tuner: the protocol of all tuning algorithms: `ask` gives the parameters to fly next, `tell` reports the scores of these flights."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from hotlap.core.records import Scores
 class Tuner(Protocol):
     """One run of an algorithm: `start`, then `ask` and `tell` in turn.
 
-    The first parameters that a tuner asks for are the first guess itself. All that it asks for lies within the bounds.
-    A cost that is not finite is the worst there is.
+    The first parameters that a tuner asks for are the first guess itself. All parameters that it asks for lie within the bounds.
+    A cost that is not finite counts as worse than any finite cost.
 
     Attributes:
         name: algorithm and preset, as `tuners.build` takes it.
-        settings: frozen dataclass of plain values.
+        settings: frozen dataclass of numbers, booleans, strings and tuples of these.
 
-    A tuner may say `learns_from_any = True`: `tell` takes any parameters in any number, also such as it did not ask for.
+    A tuner with the attribute `learns_from_any = True` accepts scores of any parameters in `tell`, also of parameters that it did not ask
+    for.
     """
 
     name: str
@@ -33,32 +34,32 @@ class Tuner(Protocol):
         Args:
             first_guess: shape (S, K).
             space: what can be tuned.
-            rng: the only source of chance; the tuner's own from now on.
+            rng: the only random generator that the tuner uses; nobody else uses it from now on.
         """
         ...
 
     def ask(self, n: int) -> Parameters:
-        """Parameters to fly next, shape (B, S, K), with 1 <= B <= n: as many as the algorithm can use at once."""
+        """Parameters to fly next, shape (B, S, K), 1 <= B <= n: as many as the algorithm can evaluate at the same time."""
         ...
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """What the parameters of the last `ask` were worth, in its order.
+        """Report the scores of the parameters of the last `ask`, in its order.
 
         Returns:
-            Shape (B,), which of them the tuner goes on from.
+            Shape (B,), True where the tuner accepts the parameters as better, or as the next sample of a chain.
         """
         ...
 
     def state(self) -> dict[str, Any]:
-        """Everything that the run's future depends on, the random generator included, as plain JSON."""
+        """Everything that later proposals depend on, the state of the random generator included, as plain JSON."""
         ...
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken, bit for bit; the tuner has been started with the same first guess and space."""
+        """Continue from a `state()`, bit for bit; the tuner has been started with the same first guess and space."""
         ...
 
 
 def remark_of(tuner: Tuner) -> str:
-    """What a tuner has to say of its run: of its method `report`, if it has one."""
+    """A tuner's own remark about its run: the text of its method `report`, empty where it has none."""
     report = getattr(tuner, "report", None)
     return "" if report is None else str(report())

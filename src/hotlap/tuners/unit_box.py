@@ -1,4 +1,4 @@
-"""Unit box: parameters as points whose coordinates all lie in [0, 1], for algorithms that know nothing of units."""
+"""Unit box: parameters scaled to [0, 1] by their bounds, for algorithms that search in a box without units."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class UnitBox:
-    """The box of a parameter space, over all segments.
+    """The map between the parameters of all segments and points of the unit box.
 
     Attributes:
-        space: what can be tuned.
-        shape: (S, K) of parameters.
+        space: names and bounds of the parameters.
+        shape: (S, K), shape of the parameters.
         log: whether it is a box of logarithms; else of the parameters' own units.
         tied: one set of parameters for all segments.
     """
@@ -30,11 +30,11 @@ class UnitBox:
 
     @property
     def size(self) -> int:
-        """d, the coordinates of a point."""
+        """d, number of coordinates of a point."""
         return self.shape[1] if self.tied else self.shape[0] * self.shape[1]
 
     def encode(self, parameters: Parameters) -> Floats:
-        """The point of parameters, shape (d,); where they are tied, the mean over segments."""
+        """The point, shape (d,), of parameters of shape (S, K); tied, the mean over segments."""
         space = self.space
         unit = space.to_unit(parameters) if self.log else (parameters - space.low) / (space.high - space.low)
         return np.clip(unit.mean(axis=0) if self.tied else unit.ravel(), 0.0, 1.0)

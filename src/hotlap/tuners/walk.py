@@ -1,4 +1,4 @@
-"""Walk: what tuners share that remember every flight and step from the best of them."""
+"""Walk: base class of the tuners that keep all flights and propose steps from the best point by a surrogate model of the cost."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from hotlap.core.records import Scores
 
 Floats = NDArray[np.float64]
 
-MEMORY = 200  # points that a process is fitted to
-LEAP_SIZES = (0.3, 1.2)  # in units of `step`
-LEAP_SHARE = 0.1  # of the points known, from which a leap may leave
+MEMORY = 200  # points that the surrogate model is fitted to
+RESTART_SIZES = (0.3, 1.2)  # range of the standard deviation of the first step after a restart, in units of `step`
+RESTART_SHARE = 0.1  # share of the points, the best ones, from which a restart may begin
 
 
 @dataclass(frozen=True)
 class WalkSettings:
-    """What every walk is told.
+    """Settings of every walk.
 
     Attributes:
         step: standard deviation of a step, in natural logarithms times the space's `log_step`.
-        opening: flights around the best one, before anything guides.
-        restart_probability: share of the flights that leave from another good point.
-        exploration: chance, at first, of a flight anywhere within the bounds, the same in all segments.
-        dense: use the dense cost, and flights that go on after a miss; else the metric.
+        opening: number of flights before the surrogate model is used; they are Gaussian steps from the point of lowest cost.
+        restart_probability: probability that a proposal is a step from another one of the best points.
+        exploration: probability, at the beginning, that a proposal is drawn uniformly within the bounds, in logarithms, the same in all
+            segments.
+        dense: use the dense cost, for which a flight continues after a missed gate; else the metric.
     """
 
     step: float = 0.6
@@ -43,7 +44,7 @@ AnySettings = TypeVar("AnySettings", bound=WalkSettings)
 
 
 class Walk(ABC, Generic[AnySettings]):
-    """A walk that remembers every flight. Each `ask` gives one proposal, the same one until it is told."""
+    """A walk that keeps all flights. Each `ask` gives one proposal, the same one until its score is reported."""
 
     learns_from_any: ClassVar[bool] = True
 
@@ -59,7 +60,7 @@ class Walk(ABC, Generic[AnySettings]):
         self._first = space.clip(first_guess)
         self._proposal: Floats | None = self._encode(self._first)
 
-    def ask(self, n: int) -> Parameters:  # noqa: ARG002  one at a time: every flight teaches
+    def ask(self, n: int) -> Parameters:  # noqa: ARG002  one at a time: the next proposal depends on every score
         """The proposal, shape (1, S, K), whatever n; the first one is the first guess."""
         if not self._points:
             return self._first[None].copy()
@@ -68,7 +69,7 @@ class Walk(ABC, Generic[AnySettings]):
         return self._decode(self._proposal)[None]
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
-        """Remember; true where a flight is the best so far."""
+        """Store points and costs; True where a flight has the lowest cost so far."""
         costs = scores.dense if self.settings.dense else scores.cost
         better = []
         for flown, cost in zip(parameters, costs.tolist(), strict=True):
@@ -80,7 +81,7 @@ class Walk(ABC, Generic[AnySettings]):
         return np.array(better, dtype=np.bool_)
 
     def state(self) -> dict[str, Any]:
-        """Every flight, a proposal under way and the random generator."""
+        """All flights, the current proposal and the random generator."""
         return {
             "points": [list(point) for point in self._points],
             "costs": [cost if math.isfinite(cost) else None for cost in self._costs],  # JSON has no infinity
@@ -89,7 +90,7 @@ class Walk(ABC, Generic[AnySettings]):
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._points = [list(point) for point in state["points"]]
         self._costs = [math.inf if cost is None else cost for cost in state["costs"]]
         self._proposal = None if state["proposal"] is None else np.array(state["proposal"])
@@ -104,29 +105,29 @@ class Walk(ABC, Generic[AnySettings]):
         """Gaussian steps of unit size, shape (count, S K)."""
 
     def _next(self) -> Floats:
-        """The next point: anywhere, around the best one, or as the process says."""
+        """The next point: uniformly drawn, a step from the best point, or by the surrogate model."""
         costs = self._finite_costs()
-        if self._rng.random() < self._roaming(len(costs)):
-            return self._anywhere()
+        if self._rng.random() < self._exploration_probability(len(costs)):
+            return self._draw_uniformly()
         if len(costs) <= self.settings.opening:
             return np.array(self._points[int(np.argmin(costs))]) + self.settings.step * self._steps(1)[0]
         return self._propose(costs)
 
-    def _leap(self, good: Floats) -> Floats:
-        """A step from one of some points, shape (count, S K), by chance."""
-        size = self.settings.step * self._rng.uniform(*LEAP_SIZES)
+    def _restart(self, good: Floats) -> Floats:
+        """A step from a random one of some points, shape (count, S K)."""
+        size = self.settings.step * self._rng.uniform(*RESTART_SIZES)
         return good[int(self._rng.integers(len(good)))] + size * self._steps(1)[0]
 
     @abstractmethod
-    def _roaming(self, flown: int) -> float:
-        """Chance of a flight anywhere after so many."""
+    def _exploration_probability(self, flown: int) -> float:
+        """Probability, after so many flights, that the next proposal is drawn uniformly within the bounds."""
 
     def _encode(self, parameters: Parameters) -> Floats:
-        """Logarithms in units of `log_step`, all segments in a row."""
+        """Logarithms of parameters of shape (S, K) in units of `log_step`, shape (S K,)."""
         return (np.log(parameters) / self._space.log_step).ravel()
 
     def _decode(self, point: Floats) -> Parameters:
-        """The inverse, mirrored at the bounds."""
+        """Parameters, shape (S, K), at a point, mirrored at the bounds."""
         logarithms = point.reshape(self._shape_of_parameters) * self._space.log_step
         return self._space.clip(np.exp(self._space.reflect_log(logarithms)))
 
@@ -135,30 +136,30 @@ class Walk(ABC, Generic[AnySettings]):
         logarithms = points.reshape(-1, *self._shape_of_parameters) * self._space.log_step
         return (self._space.reflect_log(logarithms) / self._space.log_step).reshape(points.shape)
 
-    def _anywhere(self) -> Floats:
-        """A point drawn evenly from the logarithms within the bounds, the same in all segments."""
+    def _draw_uniformly(self) -> Floats:
+        """A point drawn uniformly from the logarithms within the bounds, the same in all segments."""
         segments, size = self._shape_of_parameters
         return np.tile(np.log(self._space.from_unit(self._rng.random(size))) / self._space.log_step, segments)
 
     def _finite_costs(self) -> Floats:
-        """Costs, with what is infinite a little worse than the worst."""
+        """Costs of all flights, shape (n,); an infinite cost is replaced by the largest finite one plus 1."""
         costs = np.array(self._costs)
         finite = costs[np.isfinite(costs)]
         worst = float(finite.max()) + 1.0 if len(finite) else 0.0
         return np.where(np.isfinite(costs), costs, worst)
 
 
-def leaping_points(values: Floats) -> NDArray[np.intp]:
-    """The points that a leap may leave from.
+def restart_points(values: Floats) -> NDArray[np.intp]:
+    """Indices of the best points, from which a restart may begin.
 
     Args:
-        values: of all points, shape (n,), less is better.
+        values: predicted costs of all points, shape (n,).
     """
-    return np.argsort(values)[: max(3, round(LEAP_SHARE * len(values)))]
+    return np.argsort(values)[: max(3, round(RESTART_SHARE * len(values)))]
 
 
 def fitted(costs: Floats) -> NDArray[np.intp]:
-    """The points that are fitted: all, or the best and the latest half of `MEMORY`.
+    """Indices of the points that the surrogate model is fitted to: at most `MEMORY`, half of them the best ones, half the latest.
 
     Args:
         costs: of all points, shape (n,).

@@ -3,7 +3,7 @@
 Song, Scaramuzza, "Policy search for model predictive control with application to agile drone flight", IEEE T-RO 2022; for the
 weights of a racing controller: Romero and others, "Weighted maximum likelihood for controller tuning", ICRA 2023. A Gaussian policy
 over parameters is sampled, every sample is weighted by its reward, and the policy is fitted to the weighted samples in closed form.
-Here the policy is one of logarithms and the reward is R = -log(1 + cost), so that a single wreck does not drown all differences.
+Here the policy is Gaussian in logarithms and the reward is R = -log(1 + cost), so that one crash does not make all other rewards equal.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class WeightedLikelihoodSettings:
-    """What tells one policy search from another.
+    """Settings of the policy search.
 
     Attributes:
-        samples: N, flights of an iteration: few, so that 200 flights hold twenty fits.
-        greed: beta times the spread of the rewards in an iteration; the worst sample weighs exp(-greed) of the best.
+        samples: N, flights of an iteration: few, so that 200 flights allow twenty fits.
+        greed: beta times the range of the rewards in an iteration; the weight of the worst sample is exp(-greed) of that of the best.
         sigma: first standard deviation, in natural logarithms times the space's `log_step`.
-        floor: standard deviation that is added to every fit, likewise: exploration never ends.
+        floor: standard deviation that is added to every fit, in the same unit, so that exploration does not end.
         tied: one step for all segments.
         dense: use the dense cost, else the metric.
     """
@@ -53,7 +53,7 @@ PRESETS: Mapping[str, WeightedLikelihoodSettings] = {
 
 @dataclass(frozen=True)
 class Policy:
-    """Gaussian over offsets from the first guess.
+    """Gaussian distribution of offsets from the first guess.
 
     Attributes:
         mean: shape (d,).
@@ -69,10 +69,10 @@ class Policy:
         return self.mean + rng.standard_normal((count, len(self.mean))) @ factor.T
 
     def fit(self, samples: Floats, weights: Floats, floor: float) -> Policy:
-        """The policy that is most likely after weighted samples.
+        """The policy of maximum weighted likelihood.
 
-        Differs from the papers: they have more samples than dimensions. Here the old covariance counts as much as d samples, the
-        least that keeps the new one regular; and `floor` squared is added on the diagonal.
+        Differs from the papers, which have more samples than dimensions: here the old covariance counts as d samples, the least that keeps
+        the new one regular, and `floor` squared is added on the diagonal.
 
         Args:
             samples: shape (N, d).
@@ -80,7 +80,7 @@ class Policy:
             floor: standard deviation.
         """
         size, total = len(self.mean), weights.sum()
-        effective = total**2 / (weights**2).sum()  # Kish, 1965: as many equal weights say as much
+        effective = total**2 / (weights**2).sum()  # effective sample size, Kish, 1965
         mean = weights @ samples / total  # mu = sum d_i z_i / sum d_i
         strayed = samples - mean
         normaliser = total - (weights**2).sum() / total  # Z = ((sum d)^2 - sum d^2) / sum d, Deisenroth, Neumann, Peters, 2013
@@ -95,8 +95,8 @@ def weigh(costs: Floats, greed: float) -> Floats:
     A range that sets beta: Theodorou, Buchli, Schaal, JMLR 2010, with 10 for `greed`.
 
     Args:
-        costs: shape (N,), less is better; what is not finite counts as the worst that is.
-        greed: how much the best outweighs the worst, as a logarithm.
+        costs: shape (N,), lower is better; one that is not finite counts as the largest finite one.
+        greed: logarithm of the ratio of the best weight to the worst.
     """
     finite = np.isfinite(costs)
     if not finite.any():
@@ -107,7 +107,7 @@ def weigh(costs: Floats, greed: float) -> Floats:
 
 
 class WeightedLikelihood:
-    """An iteration at a time; the first sample of the first one is the first guess, the policy's first mean."""
+    """One iteration after the other; the first sample of the first one is the first guess, the mean of the first policy."""
 
     def __init__(self, name: str, settings: WeightedLikelihoodSettings) -> None:
         self.name, self.settings = name, settings
@@ -123,12 +123,12 @@ class WeightedLikelihood:
         self._samples[0] = 0.0
 
     def ask(self, n: int) -> Parameters:
-        """What is left of an iteration, at most n, shape (1 to n, S, K); the same until it is told."""
-        told = len(self._costs)
-        return self._offsets.decode(self._samples[told : told + n])
+        """The rest of an iteration, at most n, shape (1 to n, S, K); the same until the scores are reported."""
+        flown = len(self._costs)
+        return self._offsets.decode(self._samples[flown : flown + n])
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:  # noqa: ARG002  they were asked for in order
-        """Collect an iteration; when it is whole, fit the policy. True where a flight was the best so far."""
+        """Collect an iteration and, when it is complete, fit the policy. True where a flight has the lowest cost so far."""
         costs = (scores.dense if self.settings.dense else scores.cost).tolist()
         better = []
         for cost in costs:
@@ -140,7 +140,7 @@ class WeightedLikelihood:
         return np.array(better, dtype=np.bool_)
 
     def state(self) -> dict[str, Any]:
-        """The policy, the iteration under way and the random generator."""
+        """The policy, the current iteration and the random generator."""
         return {
             "mean": self._policy.mean.tolist(),
             "covariance": self._policy.covariance.tolist(),
@@ -151,7 +151,7 @@ class WeightedLikelihood:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state()` was taken."""
+        """Continue from a `state()`."""
         self._policy = Policy(np.array(state["mean"]), np.array(state["covariance"]))
         self._samples = np.array(state["samples"])
         self._costs = [math.inf if cost is None else cost for cost in state["costs"]]
@@ -159,7 +159,7 @@ class WeightedLikelihood:
         self._rng.bit_generator.state = state["rng"]
 
     def _improve(self) -> None:
-        """Fit the policy, if the iteration has taught anything, and draw the next iteration."""
+        """Fit the policy, unless all costs of the iteration are equal, and draw the next iteration."""
         weights = weigh(np.array(self._costs), self.settings.greed)
         if (weights < 1).any():
             self._policy = self._policy.fit(self._samples, weights, self.settings.floor)
@@ -171,5 +171,5 @@ class WeightedLikelihood:
 
 
 def _plain(cost: float) -> float | None:
-    """A cost in JSON, which has no infinity."""
+    """A cost as JSON, which has no infinity."""
     return cost if math.isfinite(cost) else None

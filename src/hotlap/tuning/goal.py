@@ -16,7 +16,7 @@ from hotlap.tuning.scoring import Metric
 
 
 class Quantity(StrEnum):
-    """What a goal is about."""
+    """The quantity that a goal sets a limit to."""
 
     COMPLETION = "completion"
     MEAN_ERROR = "mean_error"
@@ -32,7 +32,7 @@ class Goal:
     """A criterion for one flight.
 
     Attributes:
-        quantity: what is looked at.
+        quantity: what has the limit.
         threshold: least completion (0 to 1), or an error [m] to stay below on a complete flight; without meaning for NONE.
     """
 
@@ -46,13 +46,13 @@ class Goal:
 
     @property
     def metric(self) -> Metric:
-        """The metric that leads to this goal."""
+        """The metric whose minimum is this goal."""
         return Metric.MEAN_ERROR if self.quantity in {Quantity.MEAN_ERROR, Quantity.MAX_ERROR} else Metric.TIME
 
     def met(self, scores: Scores) -> NDArray[np.bool_]:
         """Which flights meet the goal, shape (B,); none for NONE: the budget is spent to its end.
 
-        An error counts on complete flights alone: a drone that crashes at once has hardly strayed.
+        An error counts on complete flights alone: a drone that crashes at once has hardly left the reference.
         """
         if self.quantity is Quantity.COMPLETION:
             return scores.completion >= self.threshold
@@ -68,7 +68,7 @@ class Goal:
 
 
 def parse_goal(text: str) -> Goal:
-    """A goal as it stands on the command line.
+    """A goal from its text, as on the command line.
 
     Args:
         text: one of `FORMS`.

@@ -31,7 +31,7 @@ SAMPLES = 4  # flights of a candidate, where vehicles differ
 
 @dataclass(frozen=True)
 class TuningSettings:
-    """What a run is asked to do.
+    """Settings of a run.
 
     Attributes:
         goal: when to stop.
@@ -126,14 +126,14 @@ def scenario_for(scenario: Scenario, tuner: Tuner) -> Scenario:
 
 
 class Tuning:
-    """One run of a tuner on a scenario: settings that stay, and a state that `batch` moves on.
+    """One run of a tuner on a scenario: fixed settings, and a state that each `batch` advances.
 
     Args:
         tuner: not yet started.
         scenario: what is flown.
         settings: what the run is asked to do.
         first_guess: shape (S, K); None: the default of the controller for every segment.
-        state: of an earlier `Batch`, to go on from there bit for bit.
+        state: of an earlier `Batch`, from which the run continues bit for bit.
 
     Attributes:
         best: the best candidate so far, None before the first flight.
@@ -242,7 +242,7 @@ class Tuning:
         return flight_seeds(self.settings.seed, stream, self._flown[stream], count)
 
     def _enter(self, stream: Stream, parameters: Parameters, seeds: NDArray[np.int64], scores: Scores) -> Ledger:
-        """Count flights, and write them down."""
+        """Count flights; their rows of the ledger."""
         number = self.validation_flights if stream is Stream.VALIDATION else self.flights
         self._flown[stream] += len(seeds)
         return enter(number, stream, parameters, seeds, scores)
@@ -302,7 +302,7 @@ def tune(objective: Objective, tuning: Tuning) -> Iterator[Batch]:
 
 
 def tune_together(objective: Objective, tunings: Sequence[Tuning]) -> Iterator[tuple[int, Batch]]:
-    """Run independent tunings of one scenario in lockstep, so that their flights fill the lanes; each goes as it would alone.
+    """Run independent tunings of one scenario in lockstep, so that their flights fill the lanes; results are as of each alone.
 
     Args:
         objective: what flies.

@@ -22,7 +22,7 @@ from hotlap.worlds.world import World
 
 @dataclass
 class Objective:
-    """The only thing that a tuning loop sees of flying (Eq. 1 of the paper, sampled).
+    """The function that a tuning loop minimises: parameters are flown and scored (Eq. 1 of the paper, sampled).
 
     Attributes:
         scenario: what is flown.
@@ -43,14 +43,14 @@ class Objective:
 
     @property
     def own_cost(self) -> str:
-        """A name for `cost` by which a study knows it again, with a digest of its source; "" where the metric's counts.
+        """A name for `cost` by which a study recognises it, with a digest of its source; "" where the metric's counts.
 
-        What a function holds besides (a closure, the functions that it calls) is not part of it.
+        A closure and the functions that it calls are not part of the digest.
         """
         return "" if self.cost is None else _name(self.cost)
 
     def fly(self, parameters: Parameters, seeds: NDArray[np.int64]) -> Scores:
-        """What each flight was worth.
+        """Fly parameters; the score of each flight.
 
         Args:
             parameters: shape (B, S, K).
@@ -59,7 +59,7 @@ class Objective:
         return self.fly_recorded(parameters, seeds)[1]
 
     def fly_recorded(self, parameters: Parameters, seeds: NDArray[np.int64], log: Sequence[int] = ()) -> tuple[Flights, Scores]:
-        """The same, with what happened.
+        """Fly parameters; the record and the score of each flight.
 
         Args:
             parameters: shape (B, S, K).

@@ -1,4 +1,4 @@
-"""Scores: what recorded flights were worth under a rule; a pure reading, nothing is flown (Sec. IV-B of the paper)."""
+"""Scoring: completion and cost of recorded flights under a rule; nothing is flown (Sec. IV-B of the paper)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Metric(StrEnum):
 
 
 def score(flights: Flights, judge: JudgeSettings, metric: Metric = Metric.TIME) -> Scores:
-    """Read completion, cost and failed segment off a batch of flights.
+    """Completion, cost and failed segment of each flight of a batch.
 
     Differs from the released code: its penalty has no path from the drone to the first missed gate; the rule `released`
     does the same.
@@ -61,9 +61,9 @@ def score(flights: Flights, judge: JudgeSettings, metric: Metric = Metric.TIME) 
 
 
 def dense_cost(gate_distance: NDArray[np.float64], distance: float) -> NDArray[np.float64]:
-    """sum over gates of log(1 + (D_i / d)^8): near 0 well within every gate, 0.7 at its rim, then growing as 8 log D, shape (B,).
+    """sum over gates of log(1 + (D_i / d)^8): near 0 well inside every gate, log 2 at D = d, then growing as 8 log D, shape (B,).
 
-    Nearly a count of misses, but smooth. A flight says most when it goes on after a miss (`judge.fly_on`).
+    Nearly a count of misses, but smooth. It is most informative when the flight goes on after a miss (`judge.fly_on`).
 
     Args:
         gate_distance: shape (B, M) [m] as the rule measures it; NaN, where a flight did not get there, counts as `UNREACHED`.

@@ -35,7 +35,7 @@ class BuiltIn:
 
     Attributes:
         name: "built-in".
-        takes_vehicle_parameters: it does.
+        takes_vehicle_parameters: True: it can fly any vehicle.
         threads: how many; 0 for one a processor.
         effort: what the last batch took.
 
@@ -57,14 +57,14 @@ class BuiltIn:
         return Numbers(self._numbers) if self._numbers else best_numbers()
 
     def needs_compiling(self, scenario: Scenario) -> bool:
-        """Whether the next flight over a scenario has to wait for the compiler."""
+        """Whether the kernel for a scenario must be compiled before its next flight."""
         defer_blas()
         from hotlap.flight import kernel, kernel_cache  # noqa: PLC0415
 
         return not kernel_cache.is_filled(kernel.worker(self.numbers, scenario.race.controller.kind))
 
     def prepare(self, scenario: Scenario) -> None:
-        """Compile, or load what was compiled: flies once."""
+        """Compile the kernel, or load it from the cache, by flying once."""
         self.fly(scenario, scenario.space.first_guess(len(scenario.segments))[None], np.zeros(1, dtype=np.int64))
 
     def fly(

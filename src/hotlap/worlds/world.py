@@ -1,4 +1,4 @@
-"""World: anything that flies a scenario under our clock and says what happened."""
+"""World: the protocol of everything that flies a scenario and records what happened; simulators and vehicles are worlds."""
 
 from __future__ import annotations
 

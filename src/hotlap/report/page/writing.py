@@ -12,8 +12,8 @@ from hotlap.report.markup import text
 from hotlap.report.page.document import dump_study, write_json
 from hotlap.report.page.replay import Replay, replay_finished, replay_running
 from hotlap.report.page.static import render_static, title_of
-from hotlap.study.snapshot import Snapshot, count_flights, read_snapshot
-from hotlap.study.study import Study
+from hotlap.study.snapshot import Snapshot, read_snapshot
+from hotlap.study.study import Study, count_flights
 from hotlap.system.text_files import replace
 from hotlap.worlds.world import World
 

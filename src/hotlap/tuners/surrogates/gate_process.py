@@ -26,7 +26,7 @@ CENTRE = (np.log(3.0), 0.0, np.log(0.15))  # of the prior: logarithm of a length
 SPREAD = (1.0, 1.5, 1.0)
 STRIDES = (0.5, 0.7, 0.5)  # standard deviations of a step of the random search, likewise; of every other step `SHORT` times these
 SHORT = 0.3
-TOGETHER, SINGLE = 0.4, 0.6  # chance that a step changes all lengths alike; chance that it changes a given number
+TOGETHER, SINGLE = 0.4, 0.6  # probability that a step changes all lengths alike, and that it changes a given number
 ROWS = 100  # latest flights that enter the likelihood
 
 
@@ -147,14 +147,14 @@ def condition(points: Floats, groups: list[Group], kernel: GateKernel) -> GatePo
 def climb_at_random(points: Floats, groups: list[Group], start: GateKernel, strides: int, rng: np.random.Generator) -> GateKernel:
     """A kernel of higher posterior density, by a random search: a step is taken where the density rises.
 
-    By chance and not by its gradient, since the published results of gate_gp were measured so and shall stay as they are, bit for bit.
+    Not an ascent along the gradient, because the published results of gate_gp were measured with this search and stay reproducible.
 
     Args:
         points: shape (n, S, K), logarithms of the parameters in units of `log_step`.
         groups: the misses measured there.
         start: the kernel that the search begins at.
         strides: number of steps that are tried.
-        rng: the source of chance.
+        rng: random generator.
     """
     latest = [_latest(group, len(points)) for group in groups]
     size = len(start.numbers)

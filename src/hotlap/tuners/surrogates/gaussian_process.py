@@ -1,7 +1,8 @@
 """Gaussian-process regression of a few hundred noisy values: covariance, Cholesky factor, likelihood with its gradient, prediction.
 
 The covariance is Matern 5/2 of distances in units of the lengths, one for all axes or one for each (automatic relevance determination).
-The mean is that of the values, the signal's variance is the likeliest in closed form, unless a `Prior` states both. The formulas are
+The mean is that of the values and the variance of the signal is that of maximum likelihood, in closed form, unless a `Prior` gives
+both. The formulas are
 those of Rasmussen, Williams, "Gaussian processes for machine learning", 2006 (RW), and of Jones, Schonlau, Welch, J. Global
 Optimization 13, 1998 (JSW).
 """
@@ -30,7 +31,7 @@ class Posterior:
     """A process after n noisy values, or after n rows of c values each, which share a covariance.
 
     Attributes:
-        lengths: scalar or shape (d,): what points are divided by.
+        lengths: scalar or shape (d,), length scales.
         features: shape (n, d), the points in units of the lengths.
         mean: scalar or shape (c,), of the values.
         scale: scalar or shape (c,), standard deviation of the signal in units of the values.
@@ -58,11 +59,11 @@ class Posterior:
         return self.scale**2 * (prior - (self.across(a) @ self.whitening) @ (self.across(b) @ self.whitening).T)
 
     def across(self, points: Floats) -> Reals:
-        """Prior covariance of points, shape (m, d), with those that are known, shape (m, n); 1 at no distance."""
+        """Prior covariance of points, shape (m, d), with the n known ones, shape (m, n); 1 at distance 0."""
         return covariance((points / self.lengths).astype(self.features.dtype, copy=False), self.features)
 
     def in_single_precision(self) -> Posterior:
-        """The same, four times as fast; deviations below a thousandth of the signal's are lost."""
+        """The same process in single precision, four times as fast; standard deviations are at least 1e-3 of the signal's."""
         return replace(self, features=self.features.astype(np.float32), whitening=self.whitening.astype(np.float32))
 
 
@@ -79,13 +80,13 @@ class Kernel:
     noise: float
 
     def condition(self, points: Floats, values: Floats) -> Posterior:
-        """The process given values, shape (n,), at points, shape (n, d), with the likeliest variance of the signal."""
+        """The process given values, shape (n,), at points, shape (n, d), with the variance of the signal that maximises the likelihood."""
         return fit(points / self.lengths, values, self.noise, lengths=self.lengths)
 
 
 @dataclass(frozen=True)
 class Prior:
-    """A process that is stated before there are data.
+    """A process given before there are data.
 
     Attributes:
         length: length scale of all axes.
@@ -135,15 +136,15 @@ def fit(
     least_spread: float = LEAST_SPREAD,
     least_variance: float = LEAST_VARIANCE,
 ) -> Posterior:
-    """The process given values, with their mean and the likeliest variance of the signal (JSW Eq. 5 and 6).
+    """The process given values, with their mean and the variance of the signal that maximises the likelihood (JSW Eq. 5 and 6).
 
     Args:
         features: shape (n, d), points in units of the lengths.
         values: shape (n,) or (n, c).
         noise: variance of the noise over that of the signal.
-        lengths: what points will be divided by where the process is asked.
-        least_spread: least standard deviation of the values that is believed.
-        least_variance: least variance of the signal over that of the values.
+        lengths: length scales, by which points are divided in predictions.
+        least_spread: lower limit of the standard deviation of the values.
+        least_variance: lower limit of the variance of the signal over that of the values.
     """
     mean, spread = values.mean(axis=0), spread_of(values, least_spread)
     whitening = _whitening(features, noise)
@@ -153,14 +154,15 @@ def fit(
 
 
 def spread_of(values: Floats, least: float = LEAST_SPREAD) -> Floats:
-    """Standard deviation of each column, shape (c,), or of all values, a scalar; not below the least."""
+    """Standard deviation of each column, shape (c,), or of all values, a scalar; at least `least`."""
     return np.maximum(values.std(axis=0), least)
 
 
 def log_likelihood(features: Floats, values: Floats, noise: float) -> float:
-    """Marginal likelihood at the likeliest variance s^2 = y' (K + noise)^-1 y / n of each column, summed over columns, without constants.
+    """Logarithm of the marginal likelihood, at its maximum over the signal's variance s^2, summed over columns, without constants.
 
-    log p = -n/2 log s^2 - 1/2 log|K + noise| (JSW Eq. 4 and 6, with noise); n/2 (log 2 pi + 1) for each column is left out.
+    log p = -n/2 log s^2 - 1/2 log|K + noise|, s^2 = y' (K + noise)^-1 y / n (JSW Eq. 4 and 6, with noise);
+    n/2 (log 2 pi + 1) for each column is left out.
 
     Args:
         features: shape (n, d), points in units of the lengths.

@@ -1,9 +1,9 @@
-"""Kernels of the paper's baseline BO (Table I), stationary and positive definite in any number of axes, and regression with them.
+"""Covariance functions of the paper's baseline BO (Table I), for regression with scikit-learn, in any number of axes.
 
-Distances are taken per axis: r^2 = sum_j (a_j - b_j)^2 / (d length^2) over d axes, so that one range of lengths serves any number of
-segments. The formulas are those of Rasmussen, Williams, "Gaussian processes for machine learning", 2006 (RW). The periodic kernel is
-the product of its one-dimensional form over the axes; scikit-learn's takes the sine of the Euclidean distance, which is positive
-definite on a line only. Importing this file loads scikit-learn.
+Distances are r^2 = sum_j (a_j - b_j)^2 / (d length^2) over d axes, so that the same range of length scales serves any number of segments.
+The formulas are those of Rasmussen, Williams, "Gaussian processes for machine learning", 2006 (RW). The periodic covariance is the
+product of its one-dimensional form over the axes; scikit-learn's is a function of the sine of the Euclidean distance, which is positive
+definite in one dimension only. Importing this file loads scikit-learn.
 """
 
 from __future__ import annotations
@@ -33,35 +33,35 @@ from hotlap.tuners.surrogates.gaussian_process import matern, square_distances
 
 Floats = NDArray[np.float64]
 
-LENGTHS = (0.05, 10.0)  # points in the unit box lie about 0.4 apart
+LENGTHS = (0.05, 10.0)  # range of the length scale; random points of the unit box are about 0.4 apart
 MIXTURES = (0.05, 100.0)
 PERIODS = (0.1, 10.0)
-SIGNALS = (0.05, 20.0)  # variance, of costs whose variance is 1
-NOISES = (1e-4, 2.0)  # variance likewise
-STARTS = 2  # of the likelihood's ascent, besides the last hyperparameters
-ASCENT = 15  # iterations of each
+SIGNALS = (0.05, 20.0)  # range of the variance of the signal, of costs whose variance is 1
+NOISES = (1e-4, 2.0)  # range of the variance of the noise, likewise
+STARTS = 2  # random starts of the ascent of the likelihood, besides the last hyperparameters
+ASCENT = 15  # iterations of each ascent
 
 
 class _Stationary(StationaryKernelMixin, NormalizedKernelMixin, Kernel):  # pyright: ignore[reportIncompatibleMethodOverride]
-    """A kernel of one on the diagonal. Hyperparameters, and slopes along their logarithms, stand in alphabetical order."""
+    """A stationary covariance, 1 at distance 0. Hyperparameters and derivatives along their logarithms are in alphabetical order."""
 
     def __init__(self, length: float = 0.5) -> None:
         self.length = length
 
     @property
     def hyperparameter_length(self) -> Hyperparameter:
-        """What a difference is divided by, in units of sqrt(d) of the unit box."""
+        """Length scale, in units of sqrt(d) of the unit box."""
         return Hyperparameter("length", "numeric", LENGTHS)
 
     def __call__(self, X: Floats, Y: Floats | None = None, eval_gradient: bool = False) -> Any:
-        """Gram matrix, shape (n, m), of points of shape (n, d) and (m, d); also its slopes, shape (n, n, hyperparameters)."""
+        """Covariance matrix, shape (n, m), of points of shape (n, d) and (m, d); also its derivatives, shape (n, n, hyperparameters)."""
         a, b = np.atleast_2d(X), np.atleast_2d(X if Y is None else Y)
         gram = self._gram(a, b)
         return (gram, np.stack(self._slopes(a, gram), axis=-1)) if eval_gradient else gram
 
     @abstractmethod
     def _gram(self, a: Floats, b: Floats) -> Floats:
-        """Shape (n, m)."""
+        """Covariance matrix, shape (n, m)."""
 
     @abstractmethod
     def _slopes(self, a: Floats, gram: Floats) -> list[Floats]:
@@ -94,7 +94,7 @@ class SquaredExponential(_Stationary):
 
 
 class RationalQuadratic(_Stationary):
-    """(1 + r^2 / (2 mixture))^-mixture, RW Eq. 4.19: squared exponentials of many lengths; alpha there is `mixture` here."""
+    """(1 + r^2 / (2 mixture))^-mixture, RW Eq. 4.19: a mixture of squared exponentials; alpha there is `mixture` here."""
 
     def __init__(self, length: float = 0.5, mixture: float = 1.0) -> None:
         super().__init__(length)
@@ -102,7 +102,7 @@ class RationalQuadratic(_Stationary):
 
     @property
     def hyperparameter_mixture(self) -> Hyperparameter:
-        """The larger, the more the lengths are alike."""
+        """The larger, the narrower the distribution of the length scales."""
         return Hyperparameter("mixture", "numeric", MIXTURES)
 
     def _gram(self, a: Floats, b: Floats) -> Floats:
@@ -123,7 +123,7 @@ class Periodic(_Stationary):
 
     @property
     def hyperparameter_period(self) -> Hyperparameter:
-        """In widths of the unit box, the same for every axis."""
+        """Period, in widths of the unit box, the same for all axes."""
         return Hyperparameter("period", "numeric", PERIODS)
 
     def _gram(self, a: Floats, b: Floats) -> Floats:
@@ -139,7 +139,7 @@ class Periodic(_Stationary):
         return np.maximum(0.5 * (1 - cosines), 0.0)
 
     def _turning(self, a: Floats) -> Floats:
-        """Mean over the axes of x_j sin(2 x_j), x_j = pi (a_i - a_k)_j / period: minus the slope of `_sines` along log period."""
+        """Mean over the axes of x_j sin(2 x_j), x_j = pi (a_i - a_k)_j / period: minus the derivative of `_sines` along log period."""
         phase = 2 * np.pi * a / self.period
         sine, cosine = np.sin(phase), np.cos(phase)
         half = (phase * sine) @ cosine.T - (phase * cosine) @ sine.T
@@ -161,18 +161,18 @@ KERNELS: Mapping[str, Callable[[], Any]] = {
 
 
 def covariance_of(kernel: str) -> Any:
-    """Of noisy costs whose variance is 1: signal times one of `KERNELS`, plus independent noise."""
+    """Covariance of noisy costs whose variance is 1: variance of the signal times one of `KERNELS`, plus independent noise."""
     return ConstantKernel(1.0, SIGNALS) * KERNELS[kernel]() + WhiteKernel(0.1, NOISES)
 
 
 def likeliest(covariance: Any, points: Floats, values: Floats, known: list[float] | None) -> list[float]:
-    """Hyperparameters, as logarithms, of the largest marginal likelihood that was found (RW Eq. 5.8 and 5.9).
+    """Logarithms of the hyperparameters of largest marginal likelihood, by L-BFGS-B from several starts (RW Eq. 5.8 and 5.9).
 
     Args:
-        covariance: of `covariance_of`.
+        covariance: result of `covariance_of`.
         points: shape (n, d), in the unit box.
         values: shape (n,), standardised.
-        known: where the first ascent begins; None: at the hyperparameters of `covariance`.
+        known: start of the first ascent; None: the hyperparameters of `covariance`.
     """
     process = _regress(covariance, points, values, 0.0)
 
@@ -188,28 +188,28 @@ def likeliest(covariance: Any, points: Floats, values: Floats, known: list[float
 
 
 def condition(covariance: Any, points: Floats, values: Floats, theta: list[float]) -> Any:
-    """The process given values, shape (n,), at points, shape (n, d); what it predicts is the signal, without noise."""
+    """The process given values, shape (n,), at points, shape (n, d); it predicts the signal without noise."""
     fitted = covariance.clone_with_theta(np.array(theta))
     return _regress(fitted.k1, points, values, fitted.k2.noise_level)
 
 
 def one_thread() -> AbstractContextManager[Any]:
-    """Linear algebra on one thread: at this size more are no quicker, far slower on a busy machine, and round otherwise."""
+    """Linear algebra on one thread: for these small matrices more threads are not faster, and they change the rounding."""
     return _libraries().limit(limits=1, user_api="blas")
 
 
 @cache
 def _libraries() -> ThreadpoolController:
-    """The libraries of linear algebra that numpy and scipy have loaded."""
+    """The linear algebra libraries loaded by numpy and scipy."""
     return ThreadpoolController()
 
 
 def _regress(covariance: Any, points: Floats, values: Floats, noise: float) -> Any:
-    """Regression with hyperparameters as they are."""
+    """Regression without a change of the hyperparameters."""
     return GaussianProcessRegressor(covariance, alpha=noise, optimizer=None).fit(points, values)  # pyright: ignore[reportArgumentType]
 
 
 def _circle(points: Floats, period: float) -> Floats:
-    """Every axis as a point on a circle, shape (n, 2 d): its cosines, then its sines."""
+    """Cosines, then sines of the phase 2 pi x / period of every axis, shape (n, 2 d)."""
     phase = 2 * math.pi * points / period
     return np.hstack([np.cos(phase), np.sin(phase)])

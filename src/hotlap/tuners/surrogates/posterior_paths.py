@@ -12,19 +12,19 @@ from hotlap.tuners.surrogates.gaussian_process import Posterior
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
-FEATURES = 1024  # cosines that a path of the prior is made of
-SLICE = 128  # points whose cosines fit into a cache
+FEATURES = 1024  # random Fourier features of a path of the prior
+SLICE = 128  # points that are evaluated together, so that their features fit into the cache
 
 
 @dataclass(frozen=True)
 class Paths:
-    """Functions drawn from a posterior by Matheron's rule: paths of the prior, corrected by what the data say.
+    """Functions drawn from a posterior by Matheron's rule: paths of the prior, corrected by the data.
 
     f(x) = phi(x)' w + k(x, X) (K + noise)^-1 (y - phi(X)' w - e) (Wilson and others, ICML 2020, Eq. 13), phi of random Fourier features
-    (Rahimi, Recht, NIPS 2007). The paths of the prior are kept in single precision: rounded, each is a path of the prior still.
+    (Rahimi, Recht, NIPS 2007). The features are computed in single precision, whose error is small beside that of their finite number.
 
     Attributes:
-        posterior: of the process.
+        posterior: the process given the data.
         frequencies: shape (d, `FEATURES`).
         phases: shape (`FEATURES`,).
         prior: weights w of the features, shape (`FEATURES`, count).
@@ -55,10 +55,10 @@ def draw_paths(posterior: Posterior, noise: float, count: int, rng: np.random.Ge
     """Independent paths of the signal, without noise.
 
     Args:
-        posterior: of a kernel with this noise.
+        posterior: a process with this noise.
         noise: variance of the noise over that of the signal.
-        count: how many.
-        rng: the source of chance.
+        count: number of paths.
+        rng: random generator.
     """
     number, size = posterior.features.shape
     spread = np.sqrt(rng.chisquare(5, FEATURES) / 5)  # the spectrum of Matern 5/2 is Student's t
