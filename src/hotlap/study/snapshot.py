@@ -12,7 +12,6 @@ import numpy as np
 from hotlap.core.ledger import Ledger
 from hotlap.core.parameters import Parameters
 from hotlap.study.configuration import GIVEN, Configuration
-from hotlap.study.database import Database
 from hotlap.study.result import Result
 from hotlap.study.study import Study
 
