@@ -5,7 +5,10 @@ To fly inside the flight core, thousands of times faster than real time, see doc
 
 import numpy as np
 
-from hotlap import ParameterSpace, Scores, prepare, tuners
+from hotlap import tuners
+from hotlap.core.parameters import ParameterSpace
+from hotlap.core.records import Scores
+from hotlap.planning.preparation import prepare
 
 STEP, LAG, LATE = 0.01, 0.08, 4  # s; s of the attitude loop; steps of dead time
 reference = prepare("circle-34").reference

@@ -2,8 +2,13 @@
 
 import numpy as np
 
-from hotlap import BuiltIn, Flights, Goal, Objective, Scores, Tuning, TuningSettings, prepare, tune, tuners
-from hotlap.tuning.goal import Quantity
+from hotlap import tuners
+from hotlap.core.records import Flights, Scores
+from hotlap.planning.preparation import prepare
+from hotlap.tuning.goal import Goal, Quantity
+from hotlap.tuning.loop import Tuning, TuningSettings, tune
+from hotlap.tuning.objective import Objective
+from hotlap.worlds import BuiltIn
 
 MISSED = 10.0  # m: cost of a gate that was missed
 

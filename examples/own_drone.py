@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from hotlap import BuiltIn, Objective, Tuning, TuningSettings, load_race, prepare, tune, tuners
+import hotlap
 from hotlap.planning.feasibility import describe
 
 DRONE = """
@@ -25,10 +25,8 @@ v_max = 34.0
 
 Path("my-drone.toml").write_text(DRONE, encoding="utf-8")
 Path("my-race.toml").write_text(RACE, encoding="utf-8")
-race = load_race("my-race.toml")
+race = hotlap.load_race("my-race.toml")
 for finding in describe(race):
     print(f"{finding.label:<20} {finding.value:<20} {finding.remark}")
 
-scenario = prepare(race)
-*_, last = tune(Objective(scenario, BuiltIn()), Tuning(tuners.build("gate_gp"), scenario, TuningSettings(validation=100)))
-print(f"confirmed: {last.best.confirmed}, after {last.search_flights} search flights; lap {last.best.lap_time:.2f} s")
+print(hotlap.tune(race, validation=100, out="runs/my-drone"))

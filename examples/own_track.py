@@ -2,8 +2,13 @@
 
 import numpy as np
 
-from hotlap import BuiltIn, Objective, Tuning, TuningSettings, load_race, prepare, tune, tuners
+import hotlap
+from hotlap import tuners
+from hotlap.planning.preparation import prepare
 from hotlap.race.track import Gate, Track
+from hotlap.tuning.loop import Tuning, TuningSettings, tune
+from hotlap.tuning.objective import Objective
+from hotlap.worlds import BuiltIn
 
 turns = np.linspace(0, 2 * np.pi, 9)[1:]
 gates = np.stack([9 * np.sin(turns), 9 - 9 * np.cos(turns), 1.5 + np.sin(2 * turns)], axis=1).round(2)
@@ -14,7 +19,7 @@ track = Track(
     end=(4.0, 0.0, 2.0),  # where the plan ends, after the last gate; it does not count as a gate
     floor=0.0,
 )
-race = load_race("circle-34").model_copy(update={"name": "bowl", "track": track})
+race = hotlap.load_race("circle-34").model_copy(update={"name": "bowl", "track": track})
 
 scenario = prepare(race)
 reference = scenario.reference

@@ -4,7 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hotlap import BuiltIn, Objective, Tuning, TuningSettings, prepare, tune, tuners
+from hotlap import tuners
+from hotlap.planning.preparation import prepare
+from hotlap.tuning.loop import Tuning, TuningSettings, tune
+from hotlap.tuning.objective import Objective
+from hotlap.worlds import BuiltIn
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,15 @@
 
 import numpy as np
 
-from hotlap import BuiltIn, Goal, Objective, Tuning, TuningSettings, prepare, tune, tuners
+from hotlap import tuners
 from hotlap.analysis.robustness import check_robustness
+from hotlap.planning.preparation import prepare
 from hotlap.race.vehicle_parameters import MASSES, VEHICLE_PARAMETERS, scale, vehicle_parameters_of
+from hotlap.tuning.goal import Goal
+from hotlap.tuning.loop import Tuning, TuningSettings, tune
+from hotlap.tuning.objective import Objective
 from hotlap.tuning.scoring import score
+from hotlap.worlds import BuiltIn
 
 scenario, world = prepare("drop-20"), BuiltIn()
 *_, last = tune(Objective(scenario, world), Tuning(tuners.build("gate_gp"), scenario, TuningSettings(validation=100)))

@@ -57,7 +57,8 @@ def test_nothing_leaves_its_bounds_and_all_meet_the_same_noise():
 def test_a_point_that_occurs_twice_is_flown_once():
     world = FakeWorld()
     survey_sensitivity(make_scenario(), world, np.tile(OPTIMUM, (2, 1)), seed=0, flights=3)
-    assert world.batches[0] == (5 * 6 + 1) * 3 - 3 * _clipped()
+    by_segment = 2 * 5 * 2 * 3  # in each segment each parameter, down and up
+    assert world.batches == [(5 * 6 + 1) * 3 - 3 * _clipped() + by_segment]
 
 
 def _clipped() -> int:

@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from fake_world import FakeWorld, make_scenario
 from first_guess.small import DEFAULT, make_race, make_set
 from hotlap import worlds
-from hotlap.cli import flying
+from hotlap.api import scenarios
 from hotlap.core.errors import UnknownNameError
 from hotlap.core.records import Log
 from hotlap.first_guess import guess
@@ -47,13 +47,9 @@ class Loud(FakeWorld):
 
 def build(name: str) -> Loud:
     if name not in {"built-in", "fake"}:  # as a study knows it
-        raise UnknownNameError("world", name, ["built-in"], "--on")
+        raise UnknownNameError("world", name, ["built-in"], key="on")
     pause = float(os.environ.get("FAKE_PAUSE", "0"))
     return Loud(name="fake", pause=pause, loud=pause > 0)
-
-
-def draw(folder, *_):
-    return tuple(folder / f"{name}.svg" for name in ("track", "error"))
 
 
 def module(name: str, **contents) -> ModuleType:
@@ -68,14 +64,13 @@ def draw_comparison(folder, _):
 
 
 MODULES = {
-    "hotlap.report.pictures": module("pictures", draw=draw),
     "hotlap.report.comparison": module("comparison", draw_comparison=draw_comparison),
 }
 LEARNT = make_set(make_race("straight", "8"), candidates=(DEFAULT,))
 REPLACEMENTS: list[tuple[Any, str, Any]] = [
     (worlds, "build", build),
     (preparation, "plan", lambda *_, **__: make_scenario().reference),
-    (flying, "shipped", lambda: LEARNT),
+    (scenarios, "shipped", lambda: LEARNT),
     (guess, "shipped", lambda: LEARNT),
     (
         preparation,

@@ -7,7 +7,7 @@ import csv
 import numpy as np
 import pytest
 
-from hotlap.cli.fly import COLUMNS
+from hotlap.api.flown import COLUMNS
 from hotlap.core.seeds import Stream, flight_seeds
 
 pytestmark = pytest.mark.usefixtures("faked")

@@ -8,11 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from hotlap.cli.arguments import COMMANDS, GOALS, KINDS
+from hotlap.cli.arguments import COMMANDS
 from hotlap.cli.main import main
 from hotlap.core.version import __version__
-from hotlap.files.descriptions import Kind
-from hotlap.tuning.goal import FORMS
 
 PROGRAM = [sys.executable, "-m", "hotlap"]
 HEAVY = {"numba", "casadi", "matplotlib", "scipy", "sklearn", "numpy", "pydantic", "rich", "cmaes"}
@@ -38,25 +36,26 @@ def test_every_command_has_help_even_beside_mistakes(hotlap, name):
     assert all(len(line) <= 140 for line in ran.out.splitlines())
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["tune", "--help"], ["tune", "--nonsense"], ["tnue"]])
-def test_help_and_mistakes_load_nothing_that_takes_time(arguments):
-    program = f"import sys; from hotlap.cli import main; main({arguments!r}); print(*sys.modules, file=sys.stderr)"
-    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert {name.partition(".")[0] for name in ran.stderr.split()} & HEAVY == set()
+def loaded_by(program: str) -> list[set[str]]:
+    """The libraries that are there after each line of a program, which runs in a process of its own."""
+    lines = ["import sys", *(f"{line}; print('loaded:', *sys.modules, file=sys.stderr)" for line in program.splitlines())]
+    ran = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=True)
+    return [{name.partition(".")[0] for name in line.split()} for line in ran.stderr.splitlines() if line.startswith("loaded: ")]
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_the_module_of_a_command_loads_nothing_that_flies_plans_or_draws(name):
-    pytest.importorskip(f"hotlap.cli.{name}", exc_type=ImportError)
-    program = f"import sys, hotlap.cli.{name}; print(*sys.modules)"
-    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    loaded = {module.partition(".")[0] for module in ran.stdout.split()}
-    assert loaded & {"casadi", "matplotlib", "sklearn"} == set()
-    assert name in {"tune", "fly", "bench"} or loaded & {"numba", "scipy"} == set()
+def test_help_and_mistakes_load_nothing_that_takes_time():
+    calls = (["--help"], ["--version"], *([name, "--help"] for name in COMMANDS), ["tune", "--nonsense"], ["tnue"])
+    loaded = loaded_by("from hotlap.cli import main\n" + "\n".join(f"main({call!r})" for call in calls))
+    assert len(loaded) == 1 + len(calls)
+    assert loaded[-1] & HEAVY == set()
 
 
-def test_goals_in_the_help_are_those_there_are():
-    assert (FORMS, tuple(Kind)) == (GOALS, KINDS)
+def test_the_module_of_a_command_loads_nothing_that_flies_plans_or_draws():
+    quick = [name for name in COMMANDS if name != "bench"]
+    loaded = dict(zip([*quick, "bench"], loaded_by("\n".join(f"import hotlap.cli.{name}" for name in [*quick, "bench"])), strict=True))
+    for name, libraries in loaded.items():  # each after those before it
+        assert libraries & {"casadi", "matplotlib", "sklearn"} == set(), name
+        assert name == "bench" or libraries & {"numba", "scipy"} == set(), name
 
 
 def test_a_reader_that_goes_away_is_no_error():

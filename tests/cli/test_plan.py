@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from fake_world import make_scenario
-from hotlap.cli.arguments import RULES
 from hotlap.planning.reference_csv import load_reference, save_reference
-from hotlap.reference.segmentation import SegmentClass, Segments
+from hotlap.reference.segmentation import SegmentationRule, SegmentClass, Segments
 
 
 @pytest.mark.usefixtures("faked")
@@ -72,7 +71,7 @@ def test_planning_can_be_interrupted(here, environment):
 
 @pytest.mark.usefixtures("faked")
 def test_a_rule_decides_about_the_segments(hotlap):
-    asked = {rule: hotlap("plan", "straight.toml", "--segments", rule, "--json").document["segments"] for rule in RULES}
+    asked = {rule: hotlap("plan", "straight.toml", "--segments", rule, "--json").document["segments"] for rule in SegmentationRule}
     assert [len(asked[rule]) for rule in ("paper", "released_1m", "released_3m", "none", "equal_time")] == [2, 1, 1, 1, 2]
     assert asked["paper"] == hotlap("plan", "straight.toml", "--json").document["segments"]
 

@@ -7,8 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hotlap.cli.output import finite, percent, table, working
-from hotlap.cli.progress import Flown, Lines, Rate, Tally, describe, follow_pieces, follow_stages, pace
+from hotlap.api.rates import Flown, Rate
+from hotlap.api.wording import percent
+from hotlap.cli.output import finite, table, working
+from hotlap.cli.progress import Lines, Tally, describe, follow_pieces, follow_stages, pace
 from hotlap.core.success_rate import Validation
 from hotlap.tuning.candidate import Candidate
 

@@ -7,10 +7,6 @@ import re
 
 import pytest
 
-from hotlap.cli.arguments import PICTURES
-from hotlap.cli.tune import repeating
-from hotlap.report.pictures import FORMATS
-
 pytestmark = pytest.mark.usefixtures("faked")
 EASY = ("tune", "straight.toml", "--seed", "1", "--validation", "50")
 
@@ -66,24 +62,8 @@ def test_bad_input_is_one_clear_line(hotlap, line, said):
     assert ran.err.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    ("arguments", "command"),
-    [
-        (("a.toml",), "hotlap tune a.toml"),
-        (("a.toml", "--out", "x", "--seed", "1", "--json"), "hotlap tune a.toml --seed 1"),
-        (("--out=x", "my race.toml"), "hotlap tune 'my race.toml'"),
-    ],
-)
-def test_the_command_that_repeats_a_study_names_no_folder(arguments, command):
-    assert repeating(arguments) == command
-
-
 def test_a_video_that_needs_what_is_not_there_is_refused_before_anything_is_flown(hotlap, monkeypatch):
     monkeypatch.setattr("hotlap.report.film.recording.find_ffmpeg", lambda: "")
     ran = hotlap("report", "missing", "--video", "lap.mp4")
     assert (ran.code, ran.out) == (2, "")
     assert ran.err.startswith("hotlap: lap.mp4: needs ffmpeg")
-
-
-def test_formats_in_the_help_are_those_there_are():
-    assert PICTURES == FORMATS

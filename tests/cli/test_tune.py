@@ -63,7 +63,6 @@ def test_a_confirmed_goal_is_success_and_says_everything(hotlap, here):
         f"study           {study}\n",
         f"parameters      {study}/parameters.toml\n",
         f"report          {study}/report.html\n",
-        f"pictures        {study}/track.svg\n{' ' * 18}{study}/error.svg\n",
     ):
         assert line in ran.out
     assert ran.out.endswith(f"fly it again: hotlap fly straight.toml --parameters {study}\n")
@@ -197,15 +196,10 @@ def test_a_race_that_cannot_be_planned_is_exit_1(hotlap, monkeypatch):
     assert ran.err.endswith("hotlap: no plan for straight, gate 3: the gate lies below the floor\n")
 
 
-def test_pictures_that_fail_cost_no_result(hotlap, monkeypatch):
-    def fail(*_):
-        raise OSError(28, "No space left on device", "track.png")
-
-    monkeypatch.setattr(sys.modules["hotlap.report.pictures"], "draw", fail)
-    ran = hotlap(*EASY, "--json")
-    assert ran.code == 0
-    assert ran.document["pictures"] == []
-    assert "note: no pictures: " in ran.err
+def test_one_file_is_written_to_look_at(hotlap, here):
+    ran = hotlap(*EASY, "--out", "mine", "--json")
+    assert "pictures" not in ran.document
+    assert {path.name for path in (here / "mine").iterdir()} - {"study.lock"} == {FILE, "parameters.toml", "report.html"}
 
 
 def test_a_bar_on_a_terminal_and_words_stay_off_standard_output(hotlap, monkeypatch):
@@ -251,7 +245,7 @@ def test_killed_in_the_middle_the_same_command_ends_as_if_never_stopped(hotlap, 
     assert content(here / "mine") == content(here / "whole")
     assert (here / "mine" / "parameters.toml").read_bytes() == (here / "whole" / "parameters.toml").read_bytes()
     ours, theirs = ({**ran, "wall_time": 0} for ran in (type(whole)(1, out, err).document, whole.document))
-    paths = dict.fromkeys(("study", "parameters", "report", "pictures"))
+    paths = dict.fromkeys(("study", "parameters", "report"))
     assert {**ours, **paths} == {**theirs, **paths}
 
 

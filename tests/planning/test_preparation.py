@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-import hotlap
 from fake_world import make_scenario
 from hotlap.core.errors import InputError
 from hotlap.files.descriptions import save
@@ -91,21 +88,3 @@ def test_a_race_is_cut_by_the_rule_that_is_asked_for(monkeypatch, rule):
     segments, wanted = prepare(SCENARIO.race, segments=rule).segments, segment(SCENARIO.reference, rule)
     assert segments.starts.tolist() == wanted.starts.tolist()
     assert segments.classes == wanted.classes
-
-
-@pytest.mark.parametrize("name", [name for name in hotlap.__all__ if name != "BuiltIn"])
-def test_every_public_name_is_there_and_documented(name):
-    assert getattr(hotlap, name).__doc__
-    assert name in dir(hotlap)
-
-
-def test_the_list_of_public_names_is_sorted_and_complete():
-    assert sorted(hotlap.__all__) == sorted(hotlap._HOME)
-    with pytest.raises(AttributeError, match="no attribute 'tnue'"):
-        hotlap.tnue  # noqa: B018
-
-
-def test_importing_hotlap_loads_nothing():
-    program = "import sys, hotlap; print(*sys.modules)"
-    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
-    assert {"numpy", "pydantic", "numba", "casadi"} & set(loaded) == set()

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hotlap.cli.arguments import RULES as NAMES
 from hotlap.files.descriptions import load_race
 from hotlap.planning import plan
 from hotlap.reference.reference import Reference
@@ -89,10 +88,6 @@ def assert_same(segments: Segments, others: Segments, *, mirrored: bool = False)
     np.testing.assert_array_equal(others.starts, segments.starts)
     assert others.owners == segments.owners
     assert others.classes == tuple(MIRROR.get(kind, kind) if mirrored else kind for kind in segments.classes)
-
-
-def test_the_command_line_knows_every_rule():
-    assert tuple(SegmentationRule) == NAMES
 
 
 @every_rule

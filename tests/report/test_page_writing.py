@@ -87,7 +87,7 @@ def test_without_javascript_the_answers_are_there(study, replay):
     assert summary_of(study) in words
     assert {"svg", "table", "h1", "figure"} <= set(page.seen)
     assert "script" not in page.seen
-    for part in ("robustness", "as tuned", "of 100 flights", *study.configuration.scenario.space.names, study.command):
+    for part in ("robustness", "as tuned", "of 50 flights", *study.configuration.scenario.space.names, study.command):
         assert part.lower() in words.lower()
 
 

@@ -8,16 +8,11 @@ import re
 import pytest
 
 from hotlap.cli import main
-from hotlap.cli.arguments import EXPERIMENTS as NAMED
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE, RACES, TABLE_I
 from hotlap.reproduce.tables import METHODS, _budgets
 
 FLOWN = {"table1": "2 seeds, 20 flights, from", "table3": "within 20 flights, with 95 % intervals; 2 seeds on circle-34,"}
-
-
-def test_what_can_be_asked_is_what_there_is():
-    assert tuple(EXPERIMENTS) == NAMED
 
 
 def test_the_published_figures_are_whole():

@@ -56,7 +56,7 @@ def test_it_has_studies_that_are_resumed(module, tmp_path):
 
 @pytest.mark.parametrize("name", ["no_such_module_at_all.Mine", "json.Mine", "json.dumps", ".Mine", "json."])
 def test_what_cannot_be_imported_is_one_line(name):
-    with pytest.raises(InputError, match=r"--tuner: .* cannot be imported: ") as caught:
+    with pytest.raises(InputError, match=r"tuner: .* cannot be imported: ") as caught:
         tuners.build(name)
     assert "\n" not in str(caught.value)
 
@@ -77,7 +77,7 @@ def test_a_module_that_is_broken_is_one_line_that_says_how(tmp_path, monkeypatch
     (tmp_path / "broken_tuner_of_a_test.py").write_text(text)
     monkeypatch.syspath_prepend(tmp_path)
     try:
-        with pytest.raises(InputError, match=r"--tuner: broken_tuner_of_a_test\.Mine cannot be imported: \w+") as caught:
+        with pytest.raises(InputError, match=r"tuner: broken_tuner_of_a_test\.Mine cannot be imported: \w+") as caught:
             tuners.build("broken_tuner_of_a_test.Mine")
     finally:
         sys.modules.pop("broken_tuner_of_a_test", None)

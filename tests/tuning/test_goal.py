@@ -70,6 +70,6 @@ def test_an_error_goal_is_led_to_by_the_error():
      "mean_error<1e999", "max_error>1", "lap_time<9", "none=1", "completion=1=1", "completion=1..0", "mean_error<."],
 )  # fmt: skip
 def test_what_is_no_goal_is_refused_in_one_line(text):
-    with pytest.raises(InputError, match=r"^--goal: ") as refused:
+    with pytest.raises(InputError, match=r"^goal: ") as refused:
         parse_goal(text)
     assert "\n" not in str(refused.value)

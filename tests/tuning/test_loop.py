@@ -392,8 +392,8 @@ def test_an_error_goal_is_reached_and_meant():
         ("reliability", np.nan),
     ],
 )
-def test_settings_out_of_range_are_refused_with_the_option(name, value):
-    with pytest.raises(InputError, match=f"^--{name}: must be from"):
+def test_settings_out_of_range_are_refused_by_name(name, value):
+    with pytest.raises(InputError, match=f"^{name}: must be from"):
         TuningSettings(**{name: value})
 
 

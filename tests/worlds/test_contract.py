@@ -72,5 +72,5 @@ def test_the_same_judge_reads_every_rule(name):
 
 
 def test_an_unknown_world_is_refused_with_those_there_are():
-    with pytest.raises(UnknownNameError, match=r"--on: there is no world named 'moon'; available: built-in"):
+    with pytest.raises(UnknownNameError, match=r"on: there is no world named 'moon'; available: built-in"):
         worlds.build("moon")

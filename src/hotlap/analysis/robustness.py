@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters
+from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.race.race import NoiseSettings, Race
@@ -18,8 +19,9 @@ from hotlap.tuning.goal import Goal
 from hotlap.tuning.scoring import score
 from hotlap.worlds.world import World
 
-FLIGHTS = 100
+FLIGHTS = 50  # under each change
 NOISIER = 2.0
+AS_TUNED = "as tuned"
 TIMES = ("time", "wind_time")  # of the noise, which stay
 
 Floats = NDArray[np.float64]
@@ -56,7 +58,7 @@ def _later(seconds: float) -> Callable[[Floats], Floats]:
 
 
 CHANGES: Mapping[str, Callable[[Floats], Floats]] = {
-    "as tuned": lambda vehicle_parameters: vehicle_parameters,
+    AS_TUNED: lambda vehicle_parameters: vehicle_parameters,
     "10 % lighter": _scaled(0.9, MASSES),
     "10 % heavier": _scaled(1.1, MASSES),
     "15 % less thrust": _scaled(1 / 0.85, FORCES),  # a share of the thrust at every command: all but the rotors grows
@@ -65,7 +67,13 @@ CHANGES: Mapping[str, Callable[[Floats], Floats]] = {
 
 
 def check_robustness(
-    scenario: Scenario, world: World, goal: Goal, parameters: Parameters, seed: int, flights: int = FLIGHTS
+    scenario: Scenario,
+    world: World,
+    goal: Goal,
+    parameters: Parameters,
+    seed: int,
+    flights: int = FLIGHTS,
+    as_tuned: Scores | None = None,
 ) -> tuple[Robustness, ...]:
     """Fly parameters under each of `CHANGES`, and with twice the noise; the seeds are the same under each.
 
@@ -76,13 +84,16 @@ def check_robustness(
         parameters: shape (S, K).
         seed: of the run.
         flights: under each change.
+        as_tuned: of flights without a change, with the same seeds; None: they are flown here.
     """
     seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, flights)
-    vehicles = np.stack([change(vehicle_parameters_of(scenario.race.vehicle)) for change in CHANGES.values()])
+    changes = [change for name, change in CHANGES.items() if as_tuned is None or name != AS_TUNED]
+    vehicles = np.stack([change(vehicle_parameters_of(scenario.race.vehicle)) for change in changes])
     repeated = np.repeat(parameters[None], flights * len(vehicles), axis=0)
     flown = world.fly(scenario, repeated, np.tile(seeds, len(vehicles)), vehicle_parameters=np.repeat(vehicles, flights, axis=0))
     noisy = world.fly(replace(scenario, race=_noisier(scenario.race)), repeated[:flights], seeds)
-    met = np.concatenate([goal.succeeded(score(some, scenario.race.judge)) for some in (flown, noisy)])
+    scores = [*([] if as_tuned is None else [as_tuned]), *(score(some, scenario.race.judge) for some in (flown, noisy))]
+    met = np.concatenate([goal.succeeded(some) for some in scores])
     counts = met.reshape(-1, flights).sum(axis=1).tolist()
     return tuple(
         Robustness(change, Validation(flights, count)) for change, count in zip([*CHANGES, "twice the noise"], counts, strict=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,8 @@ from hotlap.worlds.world import World
 Floats = NDArray[np.float64]
 
 FACTORS = (0.25, 0.5, 0.5**0.5, 1.0, 2**0.5, 2.0, 4.0)
-FLIGHTS = 10  # at each point
-BY_SEGMENT, FEWEST = 400, 2  # flights over all segments together, and at least at each point
+FLIGHTS = 4  # at each point
+BY_SEGMENT, FEWEST = 150, 1  # flights over all segments together, and at least at each point
 
 
 @dataclass(frozen=True)
@@ -56,26 +57,30 @@ def survey_sensitivity(scenario: Scenario, world: World, parameters: Parameters,
     for s, k in np.ndindex(segments, size):
         alone[s, k, :, s, k] *= factors[[0, -1]]
     few = min(max(BY_SEGMENT // (2 * segments * size), FEWEST), flights)
-    shares = _fly(scenario, world, curves.reshape(-1, segments, size), seed, flights).reshape(size, len(factors), flights)
-    parts = _fly(scenario, world, alone.reshape(-1, segments, size), seed, few).reshape(segments, size, 2 * few)
+    groups = (curves.reshape(-1, segments, size), flights), (alone.reshape(-1, segments, size), few)
+    shares, parts = _fly(scenario, world, groups, seed)
+    shares, parts = shares.reshape(size, len(factors), flights), parts.reshape(segments, size, 2 * few)
     base = shares[0, FACTORS.index(1.0), :few].mean()
     return Sensitivity(factors, flights, shares.mean(axis=2), (shares >= 1).mean(axis=2), base - parts.mean(axis=2))
 
 
-def _fly(scenario: Scenario, world: World, points: Parameters, seed: int, flights: int) -> Floats:
-    """Completion at each point, shape (points, flights); those that are the same are flown once.
+def _fly(scenario: Scenario, world: World, groups: Sequence[tuple[Parameters, int]], seed: int) -> list[Floats]:
+    """Completion at the points of each group, shape (points, flights); all fly in one batch, those of a group that are the same once.
 
     Args:
         scenario: what is flown.
         world: where.
-        points: shape (points, S, K).
+        groups: points, shape (points, S, K), and flights at each of them.
         seed: of the run.
-        flights: at each point.
     """
-    points = scenario.space.clip(points)
-    distinct, index = np.unique(points.reshape(len(points), -1), axis=0, return_inverse=True)
-    seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, flights)
-    each = np.repeat(distinct.reshape(-1, *points.shape[1:]), flights, axis=0)
-    flown = world.fly(scenario, each, np.tile(seeds, len(distinct)))
+    distinct, indices, each, seeds = [], [], [], []
+    for points, flights in groups:
+        rows, index = np.unique(scenario.space.clip(points).reshape(len(points), -1), axis=0, return_inverse=True)
+        distinct.append(len(rows))
+        indices.append(index.reshape(-1))
+        each.append(np.repeat(rows.reshape(-1, *points.shape[1:]), flights, axis=0))
+        seeds.append(np.tile(flight_seeds(seed, Stream.DEMONSTRATION, 0, flights), len(rows)))
+    flown = world.fly(scenario, np.concatenate(each), np.concatenate(seeds))
     completion = flown.gates_passed / len(flown.gate_positions)
-    return completion.reshape(len(distinct), flights)[index.reshape(-1)]
+    parts = np.split(completion, np.cumsum([len(one) for one in seeds])[:-1])
+    return [part.reshape(count, -1)[index] for part, count, index in zip(parts, distinct, indices, strict=True)]

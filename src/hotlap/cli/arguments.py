@@ -6,17 +6,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from hotlap.cli.parser import Parser, fraction, one_of, path, whole
-from hotlap.core.success_rate import RELIABILITY
+from hotlap.api.comparing import compare
+from hotlap.api.exporting import export
+from hotlap.api.flying import fly
+from hotlap.api.planning import plan
+from hotlap.api.tuning import tune
+from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
+from hotlap.cli.parser import Parser, one_of, path, whole
+from hotlap.files.kinds import Kind
+from hotlap.first_guess.names import DEFAULT
+from hotlap.report.formats import FORMATS as PICTURES
+from hotlap.reproduce.experiments import EXPERIMENTS
+from hotlap.tuning.goal_forms import FORMS, LAP_TIME
 
-KINDS = ("race", "track", "quadrotor")
-RULES = ("paper", "released_1m", "released_3m", "none", "equal_time")
-EXPORTS = ("rpg_mpc", "acados", "json", "toml", "csv", "optuna")
-GUESSES = ("learned", "paper", "default")
 REPRODUCED = Path("runs/reproduced")
-EXPERIMENTS = ("table1", "table2", "table3", "landscape", "experts", "robustness", "initialisations")
-PICTURES = ("png", "pdf", "svg")
-GOALS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
+FIRST_GUESS = Shown("NAME", "first guess", GUESSES)
 
 
 @dataclass(frozen=True)
@@ -51,27 +55,15 @@ def _study(parser: Parser) -> None:
     parser.add_argument("study", type=path, metavar="DIR", help="folder of a study, as hotlap tune makes it")
 
 
-def _reference(parser: Parser) -> None:
-    parser.add_argument("--reference", type=path, metavar="FILE", help="read this CSV instead of planning")
-
-
-def _world(parser: Parser) -> None:
-    parser.add_argument("--on", default="built-in", metavar="WORLD", help="where to fly (default: built-in)")
-
-
 def _controller(parser: Parser) -> None:
-    kinds = one_of("controller", ("mpc", "mpc_drag", "geometric"))
-    parser.add_argument("--controller", type=kinds, metavar="KIND", help="mpc, mpc_drag or geometric (default: the race's)")
+    shown = SHOWN["controller"]
+    kinds = one_of(shown.kind, shown.names)
+    names = ", ".join(shown.names)
+    parser.add_argument("--controller", type=kinds, metavar="KIND", automatic="the race's", help=f"which one flies: {names}")
 
 
-def _segments(parser: Parser) -> None:
-    rules = one_of("segmentation rule", RULES)
-    parser.add_argument("--segments", type=rules, default=RULES[0], metavar="RULE", help=f"{', '.join(RULES)} (default: {RULES[0]})")
-
-
-def _first_guess(parser: Parser, default: str, purpose: str) -> None:
-    known = f"{', '.join(GUESSES)}, parameters (a file or a study's folder), or what was learnt (a .json)"
-    parser.add_argument("--first-guess", default=default, metavar="NAME", help=f"{purpose}: {known} (default: {default})")
+def _jobs(parser: Parser) -> None:
+    parser.add_argument("--jobs", type=whole, default=0, metavar="N", automatic="one a processor", help="processes")
 
 
 def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
@@ -83,122 +75,64 @@ def _check(parser: Parser) -> None:
 
 
 def _new(parser: Parser) -> None:
-    parser.add_argument("kind", metavar="KIND", type=one_of("kind of file", KINDS), help=", ".join(KINDS))
-    parser.add_argument("name", metavar="NAME", help="what it is called; the file is NAME.toml")
-    parser.add_argument("--track", metavar="TRACK", help="of a race: a built-in track or a TOML file (default: circle)")
-    parser.add_argument("--vehicle", metavar="QUADROTOR", help="of a race: a built-in quadrotor or a TOML file (default: a hummingbird)")
+    add = parser.add_argument
+    add("kind", metavar="KIND", type=one_of("kind of file", tuple(Kind)), help=", ".join(Kind))
+    add("name", metavar="NAME", help="what it is called; the file is NAME.toml")
+    add("--track", metavar="TRACK", automatic="circle", help="of a race: a built-in track or a TOML file")
+    add("--vehicle", metavar="QUADROTOR", automatic="a hummingbird", help="of a race: a built-in quadrotor or a TOML file")
 
 
 def _plan(parser: Parser) -> None:
-    _race(parser)
-    parser.add_argument("--out", type=path, metavar="FILE", help="write the reference as CSV")
-    parser.add_argument("--picture", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
-    _reference(parser)
-    _segments(parser)
-    parser.add_argument("--no-cache", action="store_true", help="plan anew, and keep nothing in the cache of plans")
+    add_call(parser, plan)
 
 
 def _tune(parser: Parser) -> None:
-    _race(parser)
-    add = parser.add_argument
-    add("--tuner", default="gate_gp", metavar="NAME", help="NAME, NAME:PRESET or my_module.MyTuner (default: gate_gp)")
-    add("--goal", default="completion=1", help=f"when to stop: {GOALS}; or lap_time: the fastest plan that holds (default: completion=1)")
-    add("--budget", type=whole, default=200, metavar="N", help="flights at most, re-flights included (default: 200)")
-    add("--seed", type=whole, default=0, metavar="S", help="of the search and of the noise (default: 0)")
-    add("--out", type=path, metavar="DIR", help="folder of the study, begun or gone on with (default: runs/RACE-DATE, new)")
-    _reference(parser)
-    _segments(parser)
-    _first_guess(parser, "learned", "what to begin with")
-    _controller(parser)
-    _world(parser)
-    add("--randomise", type=fraction, default=0.0, metavar="R", help="fly in worlds that differ from the vehicle by up to this share")
-    add("--samples", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
-    add("--confirm", type=whole, default=10, metavar="N", help="re-flights that a candidate must pass (default: 10; the paper's: 4)")
-    add("--validation", type=whole, default=200, metavar="N", help="flights of the result with fresh noise, 0 for none (default: 200)")
-    add(
-        "--reliability",
-        type=fraction,
-        default=RELIABILITY,
-        metavar="R",
-        help=f"least share of these to succeed (default: {RELIABILITY:g}; 0: any)",
-    )
-    add("--batch", type=whole, default=8, metavar="N", help="most candidates to fly at once, for tuners that can (default: 8)")
+    forms = f"{FORMS}; or {LAP_TIME}: the fastest plan that holds"
+    add_call(parser, tune, out=Shown("DIR"), goal=Shown("GOAL", values=forms))
 
 
 def _fly(parser: Parser) -> None:
-    _race(parser)
-    add = parser.add_argument
-    add("--parameters", type=path, metavar="FILE", help="a parameters file or a study's folder")
-    _first_guess(parser, "default", "without --parameters, what is flown")
-    add("--flights", type=whole, default=100, metavar="N", help="how many, each with noise of its own (default: 100)")
-    add("--seed", type=whole, default=0, metavar="S", help="of the noise (default: 0)")
-    _reference(parser)
-    _segments(parser)
-    _controller(parser)
-    _world(parser)
-    add("--log", type=path, metavar="FILE", help="write the first flight as CSV, step by step")
+    add_call(parser, fly)
 
 
 def _report(parser: Parser) -> None:
     add = parser.add_argument
     _study(parser)
     add("--figures", action="store_true", help="draw every figure of the page as well, each into a file of its own")
-    formats = one_of("format", PICTURES)
-    add(
-        "--format",
-        type=formats,
-        default=PICTURES[0],
-        metavar="NAME",
-        help=f"of the figures: {', '.join(PICTURES)} (default: {PICTURES[0]})",
-    )
+    formats, names = one_of("format", PICTURES), ", ".join(PICTURES)
+    add("--format", type=formats, default=PICTURES[0], metavar="NAME", help=f"of the figures: {names}")
     add("--video", type=path, metavar="FILE", help="the flight as a moving picture: .gif or .mp4")
 
 
 def _watch(parser: Parser) -> None:
     _study(parser)
     add = parser.add_argument
-    add("--port", type=whole, default=0, metavar="N", help="to listen on (default: 0, any that is free)")
-    add("--host", default="127.0.0.1", metavar="NAME", help="to listen on (default: 127.0.0.1, this machine alone)")
+    add("--port", type=whole, default=0, metavar="N", automatic="any that is free", help="to listen on")
+    add("--host", default="127.0.0.1", metavar="NAME", help="to listen on; 127.0.0.1 is this machine alone")
 
 
 def _compare(parser: Parser) -> None:
-    add = parser.add_argument
-    add("races", nargs="+", metavar="RACE", help="built-in races (hotlap races) or TOML files")
-    names = "gate_gp,metropolis_hastings,cma_es,random_search"
-    add("--tuners", default=names, metavar="A,B", help=f"NAME, NAME:PRESET or my_module.MyTuner of each (default: {names})")
-    add("--seeds", type=whole, default=10, metavar="N", help="runs of each tuner on each race (default: 10)")
-    add("--budget", default="200", metavar="N", help="flights of a run, re-flights included: 200,cma_es=1000 (default: 200)")
-    add("--out", type=path, required=True, metavar="DIR", help="folder of the comparison, begun or gone on with")
-    add("--goal", default="completion=1", help=f"when a run stops: {GOALS} (default: completion=1)")
-    add("--confirm", type=whole, default=4, metavar="N", help="re-flights that a candidate must pass (default: 4)")
-    add("--randomise", type=fraction, default=0.0, metavar="R", help="fly in worlds that differ from the vehicle by up to this share")
-    add("--samples", type=whole, default=0, metavar="N", help="flights of each candidate, all to succeed (default: 1; randomised: 4)")
-    add("--validation", type=whole, default=50, metavar="N", help="flights of each result with fresh noise (default: 50)")
-    guesses = one_of("first guess", GUESSES)
-    add("--first-guess", type=guesses, default="default", metavar="NAME", help=f"where all begin: {', '.join(GUESSES)} (default: default)")
-    add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
-    _segments(parser)
-    _controller(parser)
-    _world(parser)
+    add_call(parser, compare, out=Shown("DIR"), first_guess=FIRST_GUESS)
 
 
 def _landscape(parser: Parser) -> None:
     _race(parser)
     add = parser.add_argument
-    add("--x", default="Q_pos_xy", metavar="NAME", help="parameter along the map (default: Q_pos_xy)")
-    add("--y", default="horizon", metavar="NAME", help="parameter across it (default: horizon)")
-    add("--points", type=whole, default=50, metavar="N", help="along each, evenly in logarithms (default: 50)")
-    add("--flights", type=whole, default=4, metavar="N", help="at each point, with the same noise at all (default: 4)")
-    _first_guess(parser, "default", "what the other parameters are")
+    add("--x", default="Q_pos_xy", metavar="NAME", help="parameter along the map")
+    add("--y", default="horizon", metavar="NAME", help="parameter across it")
+    add("--points", type=whole, default=50, metavar="N", help="along each, evenly in logarithms")
+    add("--flights", type=whole, default=4, metavar="N", help="at each point, with the same noise at all")
+    add("--first-guess", default=DEFAULT, metavar="NAME", help=f"what the other parameters are: {PARAMETERS}")
     _controller(parser)
     add("--out", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
 
 
 def _learn(parser: Parser) -> None:
     add = parser.add_argument
-    add("races", nargs="*", metavar="RACE", help="races to learn from, of one controller (default: 135 that come with hotlap)")
+    shipped = "135 that come with hotlap"
+    add("races", nargs="*", metavar="RACE", automatic=shipped, help="races to learn from, of one controller")
     add("--out", type=path, required=True, metavar="DIR", help="folder of what is learnt, begun or gone on with")
-    add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
+    _jobs(parser)
 
 
 def _reproduce(parser: Parser) -> None:
@@ -206,21 +140,12 @@ def _reproduce(parser: Parser) -> None:
     names = one_of("experiment", (*EXPERIMENTS, "all"))
     add("experiment", metavar="NAME", type=names, help=f"{', '.join(EXPERIMENTS)} or all")
     add("--quick", action="store_true", help="the short form, under a minute each: other races, fewer seeds")
-    add(
-        "--out",
-        type=path,
-        default=REPRODUCED,
-        metavar="DIR",
-        help=f"folder of the pages, begun or gone on with (default: {REPRODUCED})",
-    )
-    add("--jobs", type=whole, default=0, metavar="N", help="processes (default: one a processor)")
+    add("--out", type=path, default=REPRODUCED, metavar="DIR", help="folder of the pages, begun or gone on with")
+    _jobs(parser)
 
 
 def _export(parser: Parser) -> None:
-    parser.add_argument("folder", metavar="DIR", type=path, help="folder of a study, as hotlap tune made it")
-    formats = one_of("format", EXPORTS)
-    parser.add_argument("--format", type=formats, required=True, metavar="NAME", help=", ".join(EXPORTS))
-    parser.add_argument("--out", type=path, metavar="FILE", help="file to write (default: one in DIR)")
+    add_call(parser, export)
 
 
 def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
@@ -249,7 +174,7 @@ COMMANDS: Mapping[str, Command] = {
     ),
     "tune": Command(
         "tune the controller for a race",
-        "Tune the controller until the goal holds in fresh flights, validate it, and draw it. Every flight is recorded; the same\n"
+        "Tune the controller until the goal holds in fresh flights, validate it, and write a page. Every flight is recorded; the same\n"
         "command with --out goes on where it was interrupted. Exits with 1 when the goal was not confirmed within the budget.",
         _tune,
         ("hotlap tune circle-34", "hotlap tune my-race.toml --budget 500 --out runs/mine", 'hotlap tune split-s --goal "mean_error<0.3"'),

@@ -5,11 +5,13 @@ from __future__ import annotations
 import shlex
 from argparse import Namespace
 
-from hotlap.cli.inputs import check_target
-from hotlap.cli.output import note, present
-from hotlap.exporters import FORMATS, export
-from hotlap.files.descriptions import Kind, names
-from hotlap.study.study import Study
+from hotlap.api.exported import ExportedFiles
+from hotlap.api.exporting import export
+from hotlap.cli.options import arguments_of
+from hotlap.cli.output import present
+from hotlap.cli.progress import TERMINAL
+from hotlap.files.descriptions import names
+from hotlap.files.kinds import Kind
 
 HINTS = {
     "rpg_mpc": "one list entry for each segment; what rpg_mpc does not read is said in the file",
@@ -21,17 +23,14 @@ HINTS = {
 
 def run(options: Namespace) -> int:
     """Write them."""
-    check_target(options.out)
-    with Study.read(options.folder) as study:
-        files = export(study, options.format, options.out)
-        race, result = study.configuration.scenario.race.name, study.result
-    confirmed = result is not None and result.best.confirmed
-    if FORMATS[options.format].finished and not confirmed:
-        note(f"note: {options.folder}: these parameters were not confirmed: they did not reach the goal in all re-flights")
-    hint = HINTS.get(options.format, "").replace("FILE", shlex.quote(str(files[0])))
-    if race in names(Kind.RACE):
-        hint = hint.replace("RACE", race)
-    document = {"race": race, "format": options.format, "files": [str(file) for file in files], "confirmed": confirmed}
-    lines = [f"wrote {', '.join(map(str, files))}{': ' if hint else ''}{hint}"]
-    present(as_json=options.json, document=document, lines=lines)
+    exported = export(**arguments_of(export, options), progress=TERMINAL)
+    present(as_json=options.json, document=exported.to_dict(), lines=[_line(exported)])
     return 0
+
+
+def _line(exported: ExportedFiles) -> str:
+    """What was written, and what it is for."""
+    hint = HINTS.get(exported.format, "").replace("FILE", shlex.quote(str(exported.files[0])))
+    if exported.race in names(Kind.RACE):
+        hint = hint.replace("RACE", exported.race)
+    return f"wrote {', '.join(map(str, exported.files))}{': ' if hint else ''}{hint}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import shlex
 from argparse import Namespace
@@ -13,41 +14,34 @@ import numpy as np
 from hotlap import tuners, worlds
 from hotlap.analysis.fastest import RELIABLE, PlanSettings, fastest, judge_plan, try_plan
 from hotlap.analysis.resumable import ResumableJobs
+from hotlap.api.tuning import tune
+from hotlap.api.wording import percent, seconds
 from hotlap.cli.flying import load, make_kind_ready
-from hotlap.cli.output import facts, note, percent, present, seconds
+from hotlap.cli.output import facts, note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
 from hotlap.core.errors import InputError, PlanningError, StudyError
-from hotlap.core.success_rate import RELIABILITY, Validation
+from hotlap.core.success_rate import Validation
 from hotlap.core.version import __version__
 from hotlap.files.descriptions import PARAMETERS_FILE, load_race, save, save_parameters
 from hotlap.files.parameters_file import SavedParameters
-from hotlap.first_guess.guess import LEARNED
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
-from hotlap.reference.segmentation import SegmentationRule
 from hotlap.study.database import FILE as STUDY
 from hotlap.study.study import new_folder
+from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
-GOAL = "lap_time"
 RACE_FILE = "race.toml"
 ROUNDS = 40  # of plans tried around the best so far
-FIXED = {
-    "reference": None,
-    "first_guess": LEARNED,
-    "segments": SegmentationRule.PAPER,
-    "on": worlds.DEFAULT,
-    "randomise": 0.0,
-    "samples": 0,
-    "reliability": RELIABILITY,
-}
+FIXED = ("reference", "first_guess", "segments", "on", "randomise", "samples", "reliability")  # options that have no meaning here
 
 
 def run(options: Namespace) -> int:
     """Search plans, and write the best as a race with its parameters: 1 where none can be flown reliably."""
-    for name, value in FIXED.items():
-        if getattr(options, name) != value:
+    defaults = inspect.signature(tune).parameters
+    for name in FIXED:
+        if getattr(options, name) != defaults[name].default:
             raise InputError(f"--{name.replace('_', '-')}", "", "has no meaning for --goal lap_time, which looks for a plan of its own")
     if not options.validation:
         raise InputError("--validation", "", "must not be 0 for --goal lap_time, which chooses by it")
@@ -80,12 +74,12 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[PlanSettin
     scenario, before = prepare(planned), _lap_before(race)
     validation = Validation(settings.validation, round(found["rate"] * settings.validation))
     low, high = validation.interval
-    known = {"hotlap": __version__, "goal": GOAL, "seed": settings.seed, "lap_time": found["lap"], "validated_rate": validation.rate}
+    known = {"hotlap": __version__, "goal": LAP_TIME, "seed": settings.seed, "lap_time": found["lap"], "validated_rate": validation.rate}
     values = np.array(found["parameters"])
     save_parameters(folder / PARAMETERS_FILE, SavedParameters(planned.name, scenario.space.names, scenario.segments, values, known))
     document = {
         "race": race.name,
-        "goal": GOAL,
+        "goal": LAP_TIME,
         "lap_time": found["lap"],
         "planned_before": before,
         "plan": {"v_max": plan_settings.v_max, "tolerance": plan_settings.tolerance, "thrust": plan_settings.thrust},

@@ -7,13 +7,16 @@ from argparse import Namespace
 import numpy as np
 
 from hotlap.analysis.landscape import Landscape, axes, survey
-from hotlap.cli.flying import check_guess, load, make_ready, read_guess
-from hotlap.cli.inputs import PICTURES, check_range, check_target
-from hotlap.cli.output import facts, percent, present, working
+from hotlap.api.inputs import check_range, check_target
+from hotlap.api.scenarios import check_guess
+from hotlap.api.wording import percent
+from hotlap.cli.flying import load, make_ready, read_guess
+from hotlap.cli.output import facts, present, working
 from hotlap.cli.progress import follow_pieces
 from hotlap.core.errors import UnknownNameError
 from hotlap.planning.preparation import prepare
 from hotlap.reference.segmentation import SegmentationRule
+from hotlap.report.formats import SUFFIXES
 from hotlap.worlds.built_in import BuiltIn
 
 MOST_POINTS, MOST_FLIGHTS = 500, 100
@@ -21,17 +24,17 @@ MOST_POINTS, MOST_FLIGHTS = 500, 100
 
 def run(options: Namespace) -> int:
     """Fly the map, and draw it."""
-    check_range("--points", options.points, 2, MOST_POINTS)
-    check_range("--flights", options.flights, 1, MOST_FLIGHTS)
-    check_target(options.out, PICTURES)
+    check_range("points", options.points, 2, MOST_POINTS)
+    check_range("flights", options.flights, 1, MOST_FLIGHTS)
+    check_target(options.out, SUFFIXES)
     check_guess(options.first_guess)
     race, world = load(options), BuiltIn()
     with working(f"planning {race.name}"):
         scenario = prepare(race, segments=SegmentationRule.NONE)
     names = scenario.space.names
-    for option, name in (("--x", options.x), ("--y", options.y)):
+    for option, name in (("x", options.x), ("y", options.y)):
         if name not in names:
-            raise UnknownNameError("parameter", name, names, option)
+            raise UnknownNameError("parameter", name, names, key=option)
     held = tuple(read_guess(options.first_guess, scenario)[0].tolist())
     wanted = Landscape(race, options.x, options.y, options.points, options.flights, held)
     make_ready(world, scenario)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import shlex
@@ -20,6 +21,7 @@ from hotlap.core.version import __version__
 from hotlap.system.blas_threads import one_thread
 
 SUCCESS, FAILURE, BAD_INPUT = 0, 1, 2
+ALLOCATIONS = 100_000  # between looks for garbage: while libraries are loaded there is none, and looking takes a tenth of a second
 PIPE_CLOSED = 141  # 128 + SIGPIPE, as of any program whose reader went away
 
 
@@ -33,6 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit status: 0 success, 1 the work failed, 2 bad input, 128 + the signal that stopped it.
     """
     arguments = list(sys.argv[1:] if arguments is None else arguments)
+    gc.set_threshold(ALLOCATIONS)
     one_thread()
     _look_here()
     for stream in (sys.stdout, sys.stderr):
@@ -79,7 +82,12 @@ def _run(arguments: list[str]) -> int:
         sys.stdout.write(parser.format_help())
         return SUCCESS
     options.arguments = tuple(rest)
-    return import_module(f"hotlap.cli.{name}").run(options)
+    try:
+        return import_module(f"hotlap.cli.{name}").run(options)
+    except InputError as error:
+        if parser.as_option(error) is error:
+            raise
+        raise parser.as_option(error) from error
 
 
 def _look_here() -> None:

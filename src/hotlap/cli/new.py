@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from pathlib import Path
 
-from hotlap.cli.inputs import check_target
+from hotlap.api.inputs import check_target
 from hotlap.cli.output import present
 from hotlap.core.errors import InputError
 from hotlap.files.descriptions import Kind, load_quadrotor, load_track

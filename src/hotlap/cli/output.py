@@ -88,16 +88,6 @@ def facts(pairs: Mapping[str, str]) -> list[str]:
     return table([(label, value) for label, value in pairs.items() if value], indent="  ")
 
 
-def percent(share: float) -> str:
-    """A share of 1 for people; never rounded up to all of it."""
-    return f"{100 * share:.3g} %" if share in {0.0, 1.0} or 0.001 <= share <= 0.999 else f"{100 * share:.6g} %"
-
-
-def seconds(value: float, digits: int = 2) -> str:
-    """A time, or a dash where there is none."""
-    return f"{value:.{digits}f} s" if math.isfinite(value) else "-"
-
-
 def finite(value: Any) -> Any:
     """Plain values with null in place of numbers that JSON does not have."""
     if isinstance(value, float):

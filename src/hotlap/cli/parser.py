@@ -7,19 +7,16 @@ from __future__ import annotations
 
 import argparse
 import math
-import re
 from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.core.renamed import say_renamed
 
 HELP = {"-h", "--help"}
 RENAMED = {"--worlds": "--samples"}  # options of before
-_OF_ARGUMENT = re.compile(r"argument ([^:]+): (.*)", re.DOTALL)
-_MISSING = re.compile(r"the following arguments are required: (.*)")
 
 
 class Parser(argparse.ArgumentParser):
@@ -29,21 +26,50 @@ class Parser(argparse.ArgumentParser):
         command: as it is called, `hotlap tune`.
         summary: one sentence.
         examples: lines that show how it is called.
+
+    Attributes:
+        arguments: all that it takes, in the order in which they were added.
     """
 
     def __init__(self, command: str, summary: str, examples: Sequence[str] = ()) -> None:
         shown = "\n".join(["examples:", *(f"  {line}" for line in examples)]) if examples else None
-        layout = argparse.RawDescriptionHelpFormatter
-        super().__init__(command, description=summary, epilog=shown, formatter_class=layout, add_help=False, allow_abbrev=False)
+        self.arguments: list[argparse.Action] = []
+        super().__init__(
+            command,
+            description=summary,
+            epilog=shown,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            add_help=False,
+            allow_abbrev=False,
+            exit_on_error=False,
+        )
         self.add_argument("-h", "--help", action="store_true", help="show this help")
 
+    def add_argument(self, *names: str, automatic: str = "", **settings: Any) -> argparse.Action:
+        """The same as argparse's, with the default said in the help.
+
+        Args:
+            names: of the argument.
+            automatic: what the default means, where the value itself says nothing.
+            settings: as argparse takes them.
+
+        Returns:
+            The argument, which is remembered, too: argparse has no list of them that is public.
+        """
+        default = settings.get("default")
+        shown = automatic or ("" if default is None else f"{default:g}" if isinstance(default, float) else str(default))
+        action = super().add_argument(*names, **settings)
+        action.help = f"{action.help} (default: {shown})" if shown else action.help
+        self.arguments.append(action)
+        return action
+
+    @property
+    def options(self) -> dict[str, argparse.Action]:
+        """Arguments by each of the options that name them, `--budget`."""
+        return {option: action for action in self.arguments for option in action.option_strings}
+
     def error(self, message: str) -> NoReturn:
-        """Argparse's complaint as an error of ours."""
-        argument, missing = _OF_ARGUMENT.fullmatch(message), _MISSING.fullmatch(message)
-        if missing:
-            raise InputError(missing[1], "", f"is missing; see {self.prog} --help")
-        if argument:
-            raise InputError(argument[1], "", argument[2].replace("expected one argument", "needs a value"))
+        """Whatever argparse complains about other than by an `ArgumentError`."""
         raise InputError("", "", message)
 
     def parse(self, arguments: Sequence[str]) -> argparse.Namespace | None:
@@ -57,18 +83,42 @@ class Parser(argparse.ArgumentParser):
         if HELP & set(options):
             return None
         for option in options:
-            if option.startswith("--") and option.partition("=")[0] not in self._option_string_actions:
+            if option.startswith("--") and option.partition("=")[0] not in self.options:
                 raise self._unknown(option.partition("=")[0])
-        parsed, unknown = self.parse_known_args(arguments)
+        parsed, unknown = self._understand(arguments)
         if unknown:
             raise self._unknown(unknown[0])
         return parsed
+
+    def as_option(self, error: InputError) -> InputError:
+        """An error about an argument of a function, as one about the option of the same name; any other as it is."""
+        option = next((option for option, action in self.options.items() if action.dest == error.key), "")
+        return error if error.source or not option else InputError(option, "", error.reason)
+
+    def _understand(self, arguments: Sequence[str]) -> tuple[argparse.Namespace, list[str]]:
+        """Values, and what nothing takes; whether all that is required is there, argparse could say in words alone."""
+        required = [action for action in self.arguments if action.required]
+        for action in required:
+            action.required = False
+        try:
+            parsed, unknown = self.parse_known_args(arguments)
+        except argparse.ArgumentError as error:
+            reason = error.message.replace("expected one argument", "needs a value")  # plainer
+            raise InputError(error.argument_name or "", "", reason) from None
+        finally:
+            for action in required:
+                action.required = True
+        missing = [action for action in required if getattr(parsed, action.dest) is None]
+        if missing:
+            names = ", ".join(map(_written, missing))
+            raise InputError(names, "", f"is missing; see {self.prog} --help")
+        return parsed, unknown
 
     def _present(self, argument: str) -> str:
         """An option as it is called now; says so where it was a name of before."""
         option, separator, value = argument.partition("=")
         new = RENAMED.get(option)
-        if new is None or new not in self._option_string_actions:
+        if new is None or new not in self.options:
             return argument
         say_renamed(option, new)
         return new + separator + value
@@ -77,9 +127,14 @@ class Parser(argparse.ArgumentParser):
         """An argument that nothing takes."""
         if not argument.startswith("-"):
             return InputError(argument, "", f"is one argument too many; see {self.prog} --help")
-        near = get_close_matches(argument, self._option_string_actions, n=1)
+        near = get_close_matches(argument, self.options, n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
         return InputError(argument, "", f"is no option of {self.prog}{hint}; see {self.prog} --help")
+
+
+def _written(action: argparse.Action) -> str:
+    """An argument as the usage calls it."""
+    return action.option_strings[-1] if action.option_strings else str(action.metavar)
 
 
 def whole(text: str) -> int:

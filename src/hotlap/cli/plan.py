@@ -5,18 +5,17 @@ from __future__ import annotations
 import shutil
 from argparse import Namespace
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from rich.text import Text
 
-from hotlap.cli.inputs import PICTURES, check_source, check_target
-from hotlap.cli.output import Line, facts, present, seconds, table, working
-from hotlap.files.descriptions import load_race
-from hotlap.planning.preparation import prepare
-from hotlap.planning.reference_csv import save_reference
+from hotlap.api.planned import PlannedReference
+from hotlap.api.planning import plan
+from hotlap.api.wording import seconds
+from hotlap.cli.options import arguments_of
+from hotlap.cli.output import Line, facts, present, table
+from hotlap.cli.progress import TERMINAL
 from hotlap.reference.scenario import Scenario
-from hotlap.reference.segmentation import SegmentationRule
 from hotlap.report.map import draw_map
 
 WIDEST = 100  # columns of a map
@@ -24,42 +23,14 @@ WIDEST = 100  # columns of a map
 
 def run(options: Namespace) -> int:
     """Plan, or read a reference; write what is asked for."""
-    check_target(options.out)
-    check_target(options.picture, PICTURES)
-    check_source(options.reference)
-    race = load_race(options.race)
-    with working(f"planning {race.name}" if options.reference is None else f"reading {options.reference}"):
-        scenario = prepare(race, options.reference, cache=not options.no_cache, segments=SegmentationRule(options.segments))
-    if options.out is not None:
-        save_reference(options.out, scenario.reference)
-    if options.picture is not None:
-        from hotlap.report.pictures import draw_plan  # noqa: PLC0415  matplotlib, only where there is something to draw
-
-        draw_plan(options.picture, scenario)
-    files = {"csv": options.out, "picture": options.picture}
-    document = {**describe(scenario), **{kind: str(path) for kind, path in files.items() if path is not None}}
-    present(as_json=options.json, document=document, lines=[*_lines(scenario), *_written(options)])
+    planned = plan(**arguments_of(plan, options), progress=TERMINAL)
+    present(as_json=options.json, document=planned.to_dict(), lines=_lines(planned))
     return 0
 
 
-def describe(scenario: Scenario) -> dict[str, Any]:
-    """The keys of `hotlap plan --json`."""
-    reference, pieces = scenario.reference, scenario.segments.pieces
-    return {
-        "race": scenario.race.name,
-        "duration": float(reference.duration),
-        "lap_time": reference.lap_time,
-        "max_speed": float(reference.speeds.max()),
-        "mean_speed": float(reference.speeds.mean()),
-        "cpu_time": float(reference.cpu_time),
-        "gates": len(reference.gate_times),
-        "segments": [{"class": piece.kind, "start": piece.start, "end": piece.end, "segment": piece.segment} for piece in pieces],
-    }
-
-
-def _lines(scenario: Scenario) -> Iterator[Line]:
-    """For people: figures, segments, and a map."""
-    reference = scenario.reference
+def _lines(planned: PlannedReference) -> Iterator[Line]:
+    """For people: figures, segments, a map, and what was written where."""
+    scenario, reference = planned.scenario, planned.reference
     yield f"{scenario.race.name}: {len(reference.gate_times)} gates in {seconds(reference.lap_time)}"
     yield from facts(
         {
@@ -72,6 +43,7 @@ def _lines(scenario: Scenario) -> Iterator[Line]:
     )
     yield from table(_cells(scenario), right=(1, 2, 3, 4), indent="  ")
     yield from _map(scenario)
+    yield from (f"{kind} written to {path}" for kind, path in (("reference", planned.csv), ("picture", planned.picture)) if path)
 
 
 def _cells(scenario: Scenario) -> list[tuple[str, ...]]:
@@ -89,11 +61,3 @@ def _map(scenario: Scenario) -> Iterator[Line]:
     width = min(shutil.get_terminal_size().columns, WIDEST)
     gates, segments = scenario.race.track.gate_positions, scenario.segments
     yield from Text.from_ansi(draw_map(scenario.reference, gates, segments, width=width, height=width // 4, colour=True)).split()
-
-
-def _written(options: Namespace) -> Iterator[Line]:
-    """What was written where."""
-    if options.out is not None:
-        yield f"reference written to {options.out}"
-    if options.picture is not None:
-        yield f"picture written to {options.picture}"

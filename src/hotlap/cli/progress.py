@@ -12,21 +12,20 @@ from typing import TYPE_CHECKING
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from hotlap.cli.output import Plain, note, percent
+from hotlap.api.rates import Rate
+from hotlap.api.wording import percent
+from hotlap.cli.output import Plain, note, working
 from hotlap.core.success_rate import Validation
-from hotlap.tuning.candidate import Candidate
-from hotlap.tuning.loop import Batch
 
 if TYPE_CHECKING:
-    from hotlap.analysis.comparison import Run
+    from hotlap.tuning.candidate import Candidate
+    from hotlap.tuning.loop import Batch
 
 INTERVAL = 5.0  # s between lines
 
-Watch = Callable[[Batch], None]
-
 
 @contextmanager
-def follow(budget: int, flown: int) -> Iterator[Watch]:
+def follow(budget: int, flown: int) -> Iterator[Callable[[Batch], None]]:
     """Show the batches of a tuning.
 
     Args:
@@ -98,6 +97,18 @@ def follow_stages(wanted: int) -> Iterator[Callable[[str], None]]:
         yield lambda words: progress.update(task, completed=next(behind), state=words)
 
 
+class Terminal:
+    """The progress of the calls of `hotlap.api`, on standard error; see `hotlap.api.progress.Progress`."""
+
+    note = staticmethod(note)
+    working = staticmethod(working)
+    flights = staticmethod(follow)
+    pieces = staticmethod(follow_pieces)
+
+
+TERMINAL = Terminal()
+
+
 class Pace(ProgressColumn):
     """How fast pieces of work are done."""
 
@@ -136,39 +147,6 @@ class Tally:
         if self._done == self._wanted or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
             note(f"{self._done} of {self._wanted} {self._unit}, now {words}")
-
-
-class Flown:
-    """Counts the flights of runs.
-
-    Args:
-        clock: [s]
-    """
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._flights, self._rate = 0, Rate(0, clock)
-
-    def __call__(self, run: Run) -> str:
-        """Count a run; in few words, what it was and how fast flights are."""
-        self._flights += run.flights + run.validation
-        return f"{run.race} by {run.tuner}, {self._rate(self._flights)}"
-
-
-class Rate:
-    """Flights per second since it was made.
-
-    Args:
-        flown: flights so far.
-        clock: [s]
-    """
-
-    def __init__(self, flown: int, clock: Callable[[], float] = time.monotonic) -> None:
-        self._flown, self._clock, self._start = flown, clock, clock()
-
-    def __call__(self, flights: int) -> str:
-        """For people, as of now."""
-        elapsed = self._clock() - self._start
-        return f"{(flights - self._flown) / elapsed:.3g} flights/s" if elapsed > 0 else "- flights/s"
 
 
 class Lines:

@@ -6,8 +6,8 @@ from argparse import Namespace
 from pathlib import Path
 
 from hotlap import worlds
+from hotlap.api.inputs import check_target
 from hotlap.cli.flying import make_ready
-from hotlap.cli.inputs import check_target
 from hotlap.cli.output import Line, facts, present, working
 from hotlap.cli.progress import follow_pieces
 from hotlap.study.study import Study

@@ -7,8 +7,8 @@ import sys
 from argparse import Namespace
 
 from hotlap import worlds
+from hotlap.api.inputs import check_range
 from hotlap.cli.flying import make_ready
-from hotlap.cli.inputs import check_range
 from hotlap.cli.output import note, present
 from hotlap.cli.stopping import Stopped
 from hotlap.study.study import Study
@@ -16,7 +16,7 @@ from hotlap.study.study import Study
 
 def run(options: Namespace) -> int:
     """Serve until Ctrl-C."""
-    check_range("--port", options.port, 0, 65535)
+    check_range("port", options.port, 0, 65535)
     with Study.read(options.study) as study:
         world = worlds.build(study.configuration.world)
         make_ready(world, study.configuration.scenario)

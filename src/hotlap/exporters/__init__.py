@@ -5,38 +5,15 @@ Each format is a function `write(study, path) -> paths` that overwrites what is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hotlap.core.errors import UnknownNameError
-from hotlap.study.study import Study
+from hotlap.exporters.formats import FORMATS, Format
 
-
-@dataclass(frozen=True)
-class Format:
-    """A kind of file.
-
-    Attributes:
-        module: in this folder, that writes it.
-        file: its name in the study's folder, where no other is asked for.
-        finished: whether the study must have ended: it takes the result, not the flights.
-    """
-
-    module: str
-    file: str
-    finished: bool = True
-
-
-FORMATS: Mapping[str, Format] = {
-    "rpg_mpc": Format("rpg_mpc", "mpc.yaml"),
-    "acados": Format("acados", "acados_weights.json"),
-    "json": Format("plain_json", "parameters.json"),
-    "toml": Format("plain_toml", "parameters.toml"),
-    "csv": Format("plain_csv", "parameters.csv"),
-    "optuna": Format("optuna_study", "optuna.db", finished=False),
-}
+if TYPE_CHECKING:
+    from hotlap.study.study import Study
 
 
 def export(study: Study, name: str, path: Path | None = None) -> tuple[Path, ...]:
@@ -54,7 +31,7 @@ def export(study: Study, name: str, path: Path | None = None) -> tuple[Path, ...
         InputError: the format is unknown or cannot hold these parameters, the study has not ended, a file cannot be written.
     """
     if name not in FORMATS:
-        raise UnknownNameError("format", name, FORMATS, "--format")
+        raise UnknownNameError("format", name, FORMATS, key="format")
     chosen = FORMATS[name]
     target = study.folder / chosen.file if path is None else path
     return import_module(f"hotlap.exporters.{chosen.module}").write(study, target)

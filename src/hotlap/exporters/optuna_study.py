@@ -30,7 +30,7 @@ def write(study: Study, path: Path) -> tuple[Path, ...]:
     try:
         import optuna  # noqa: PLC0415  an extra, and slow to load
     except ImportError:
-        raise InputError("--format", "", MISSING) from None
+        raise InputError("", "format", MISSING) from None
     part = path.with_name(path.name + ".part")
     try:
         part.unlink(missing_ok=True)

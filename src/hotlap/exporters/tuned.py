@@ -67,4 +67,4 @@ def need_weights(tuned: ExportedParameters, name: str) -> None:
     """
     kind = tuned.controller.kind
     if TUNABLE[kind].names != TUNABLE[ControllerKind.MPC].names:
-        raise InputError("--format", "", f"{name} takes the weights of an MPC; tuned was the {kind} controller: use json, toml or csv")
+        raise InputError("", "format", f"{name} takes the weights of an MPC; tuned was the {kind} controller: use json, toml or csv")

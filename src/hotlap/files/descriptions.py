@@ -10,7 +10,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import cache
 from importlib.resources import files as package_files
 from importlib.resources.abc import Traversable
@@ -22,6 +21,7 @@ from hotlap.core.renamed import say_renamed
 from hotlap.files import toml_writer
 from hotlap.files.documented_keys import table_of
 from hotlap.files.error_messages import check, show
+from hotlap.files.kinds import Kind
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
@@ -34,14 +34,6 @@ Description = Track | Quadrotor | Race
 PARAMETERS_FILE = "parameters.toml"  # in a study's folder
 MAX_BYTES = 1_000_000  # a description takes a few thousand
 OWN = frozenset({"name", "provenance"})  # keys that a file does not inherit from its base
-
-
-class Kind(StrEnum):
-    """What a file describes."""
-
-    RACE = "race"
-    TRACK = "track"
-    QUADROTOR = "quadrotor"
 
 
 TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kind.QUADROTOR: Quadrotor}

@@ -9,13 +9,11 @@ import numpy as np
 from hotlap.core.errors import UnknownNameError
 from hotlap.core.parameters import Parameters
 from hotlap.first_guess.features import race_features
+from hotlap.first_guess.names import DEFAULT, LEARNED, NAMES, PAPER
 from hotlap.first_guess.regression import Regression
 from hotlap.first_guess.training_set import TrainingSet, shipped
 from hotlap.first_guess.vote import vote
 from hotlap.reference.scenario import Scenario
-
-LEARNED, PAPER, DEFAULT = "learned", "paper", "default"
-NAMES = (LEARNED, PAPER, DEFAULT)
 
 Method = Callable[[Scenario, TrainingSet], Parameters]
 
@@ -45,7 +43,7 @@ def first_guess(scenario: Scenario, name: str = LEARNED, training: TrainingSet |
         ValueError: for "paper", where no training race has validated parameters.
     """
     if name not in NAMES:
-        raise UnknownNameError("first guess", name, NAMES)
+        raise UnknownNameError("first guess", name, NAMES, key="first_guess")
     default = scenario.space.first_guess(len(scenario.segments))
     if name == DEFAULT:
         return default

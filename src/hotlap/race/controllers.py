@@ -4,24 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 
 from hotlap.core.parameters import ParameterSpace
-
-
-class ControllerKind(StrEnum):
-    """Which controller flies.
-
-    MPC: model-predictive, as in the paper (Eq. 3).
-    MPC_DRAG: the same with a model that knows the drag of the vehicle; about half as fast.
-    GEOMETRIC: geometric tracking on SE(3) (Lee, Leok, McClamroch, CDC 2010) with the reference's inputs fed forward.
-    """
-
-    MPC = "mpc"
-    MPC_DRAG = "mpc_drag"
-    GEOMETRIC = "geometric"
+from hotlap.race.controller_kind import ControllerKind
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from hotlap.core.errors import InputError
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.reference.scenario import Scenario
 from hotlap.report.figures import convergence, inputs, samples, sensitivity, track, tracking_error, tuned_parameters
+from hotlap.report.formats import FORMATS
 from hotlap.report.history import Change, collect, compare, recount
 from hotlap.report.page.replay import choose, demonstrate
 from hotlap.report.scene import Scene, stage
@@ -20,7 +21,6 @@ from hotlap.study.snapshot import Snapshot, read_snapshot
 from hotlap.study.study import Study
 from hotlap.worlds.world import World
 
-FORMATS = ("png", "pdf", "svg")
 FLIGHTS = 8  # of each set of parameters, all with the same noise; the first of each is drawn in full
 SETS = 2  # the best, and the first guess, or the default where that is the best
 
@@ -93,14 +93,19 @@ def _fly(snapshot: Snapshot, world: World, flights: int) -> Scene:
 
 def _plain(snapshot: Snapshot, scene: Scene) -> dict[str, Figure]:
     """The four figures that every study has."""
-    asked = snapshot.configuration
-    history = recount(snapshot.ledger, asked.settings.goal, asked.cost_name)
     return {
         "track": track(scene),
-        "convergence": convergence(history, f"{scene.race}: {asked.tuner}", _verdict(snapshot)),
+        "convergence": draw_convergence(snapshot),
         "error": tracking_error(scene),
         "parameters": tuned_parameters(_change(snapshot), f"{scene.race}: tuned parameters"),
     }
+
+
+def draw_convergence(snapshot: Snapshot) -> Figure:
+    """Completion and cost of a study over its flights."""
+    asked = snapshot.configuration
+    history = recount(snapshot.ledger, asked.settings.goal, asked.cost_name)
+    return convergence(history, f"{asked.scenario.race.name}: {asked.tuner}", _verdict(snapshot))
 
 
 def _change(snapshot: Snapshot) -> Change:

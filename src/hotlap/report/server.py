@@ -62,7 +62,7 @@ class Server(ThreadingHTTPServer):
             super().__init__(place, Answer)
         except (OSError, OverflowError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise InputError("--port", "", f"{port} on {host} cannot be listened on: {reason}") from None
+            raise InputError("", "port", f"{port} on {host} cannot be listened on: {reason}") from None
 
     def server_bind(self) -> None:
         """Bind without a look-up of the host's name, which can take seconds."""
@@ -168,7 +168,7 @@ def _find(host: str, port: int) -> tuple[socket.AddressFamily, tuple[str, int]]:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except (OSError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or "it is no name of a host"
-        raise InputError("--host", "", f"'{host}' cannot be found: {reason}") from None
+        raise InputError("", "host", f"'{host}' cannot be found: {reason}") from None
     return family, (str(address[0]), port)
 
 

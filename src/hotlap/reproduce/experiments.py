@@ -1,17 +1,14 @@
-"""Experiments by name."""
+"""Experiments by name; none is loaded before it is performed."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from importlib import import_module
+from typing import TYPE_CHECKING, Protocol
 
-from hotlap.analysis.resumable import ResumableJobs
-from hotlap.report.article import Article
-from hotlap.reproduce.experts import experts
-from hotlap.reproduce.initialisations import initialisations
-from hotlap.reproduce.landscapes import landscape
-from hotlap.reproduce.robustness import robustness
-from hotlap.reproduce.tables import table1, table2, table3
+if TYPE_CHECKING:
+    from hotlap.analysis.resumable import ResumableJobs
+    from hotlap.report.article import Article
 
 
 class Experiment(Protocol):
@@ -27,12 +24,25 @@ class Experiment(Protocol):
         ...
 
 
-EXPERIMENTS: Mapping[str, Experiment] = {
-    "table1": table1,
-    "table2": table2,
-    "table3": table3,
-    "landscape": landscape,
-    "experts": experts,
-    "robustness": robustness,
-    "initialisations": initialisations,
+EXPERIMENTS: Mapping[str, str] = {
+    "table1": "tables",
+    "table2": "tables",
+    "table3": "tables",
+    "landscape": "landscapes",
+    "experts": "experts",
+    "robustness": "robustness",
+    "initialisations": "initialisations",
 }
+"""The module of this package that holds the function of each name."""
+
+
+def perform(name: str, jobs: ResumableJobs, *, quick: bool) -> Article:
+    """Fly what is missing of an experiment, and write what was found.
+
+    Args:
+        name: one of `EXPERIMENTS`.
+        jobs: keeps results, and the pictures of the page in its folder.
+        quick: the short form, under a minute.
+    """
+    experiment: Experiment = getattr(import_module(f"hotlap.reproduce.{EXPERIMENTS[name]}"), name)
+    return experiment(jobs, quick=quick)

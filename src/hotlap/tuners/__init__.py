@@ -45,12 +45,12 @@ def build(name: str) -> Tuner:
     algorithm, separator, preset = renamed.partition(":")
     found = _import(algorithm) if "." in algorithm else _algorithm(algorithm)
     if found is None:
-        raise UnknownNameError("tuner", name, (*_algorithms(), *names()), "--tuner")
+        raise UnknownNameError("tuner", name, (*_algorithms(), *names()), key="tuner")
     make, presets = found
     if not separator or preset == "default":
         preset = next(iter(presets))
     if preset not in presets:
-        raise UnknownNameError(f"preset of {algorithm}", preset, (*presets, "default"), "--tuner")
+        raise UnknownNameError(f"preset of {algorithm}", preset, (*presets, "default"), key="tuner")
     return make(f"{algorithm}:{preset}", presets[preset])
 
 
@@ -86,11 +86,11 @@ def _import(path: str) -> tuple[Maker, Presets]:
         made, presets = getattr(module, name), module.PRESETS
     except Exception as error:  # a module of someone else's may raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError("--tuner", "", f"{path} cannot be imported: {reason}") from error
+        raise InputError("", "tuner", f"{path} cannot be imported: {reason}") from error
     if not isinstance(made, type):
-        raise InputError("--tuner", "", f"{path} cannot be imported: it is no class")
+        raise InputError("", "tuner", f"{path} cannot be imported: it is no class")
     if not presets:
-        raise InputError("--tuner", "", f"{path} cannot be imported: its PRESETS are empty")
+        raise InputError("", "tuner", f"{path} cannot be imported: its PRESETS are empty")
     return made, presets
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
 from hotlap.core.records import Scores
+from hotlap.tuning.goal_forms import FORMS
 from hotlap.tuning.scoring import Metric
 
 
@@ -23,7 +24,6 @@ class Quantity(StrEnum):
     NONE = "none"
 
 
-FORMS = "completion=1, completion=0.95, mean_error<0.3, max_error<1.0 or none"
 _GOAL = re.compile(r"\s*(?P<quantity>[a-z_]+)\s*(?P<relation>>=|<=|=|<)\s*(?P<threshold>[0-9.eE+-]+)\s*")
 
 
@@ -80,11 +80,11 @@ def parse_goal(text: str) -> Goal:
         return Goal(Quantity.NONE, 0.0)
     match = _GOAL.fullmatch(text)
     if match is None or match["quantity"] not in set(Quantity) - {Quantity.NONE}:
-        raise InputError("--goal", "", f"'{text}' is no goal; write {FORMS}")
+        raise InputError("", "goal", f"'{text}' is no goal; write {FORMS}")
     quantity = Quantity(match["quantity"])
     relations = {"=", ">="} if quantity is Quantity.COMPLETION else {"<", "<="}
     if match["relation"] not in relations:
-        raise InputError("--goal", "", f"{quantity.value}{match['relation']} makes no sense; write {FORMS}")
+        raise InputError("", "goal", f"{quantity.value}{match['relation']} makes no sense; write {FORMS}")
     return Goal(quantity, _threshold(quantity, match["threshold"]))
 
 
@@ -93,9 +93,9 @@ def _threshold(quantity: Quantity, text: str) -> float:
     try:
         threshold = float(text)
     except ValueError:
-        raise InputError("--goal", "", f"'{text}' is no number; write {FORMS}") from None
+        raise InputError("", "goal", f"'{text}' is no number; write {FORMS}") from None
     if quantity is Quantity.COMPLETION and not 0 < threshold <= 1:
-        raise InputError("--goal", "", f"a completion is a fraction above 0 and at most 1, not {threshold:g}")
+        raise InputError("", "goal", f"a completion is a fraction above 0 and at most 1, not {threshold:g}")
     if not 0 < threshold < np.inf:
-        raise InputError("--goal", "", f"an error is a positive number of metres, not {threshold:g}")
+        raise InputError("", "goal", f"an error is a positive number of metres, not {threshold:g}")
     return threshold

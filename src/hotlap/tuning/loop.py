@@ -73,7 +73,7 @@ class TuningSettings:
         ):
             value = getattr(self, name)
             if not least <= value <= largest:
-                raise InputError(f"--{name}", "", f"must be from {least} to {largest}, not {value}")
+                raise InputError("", name, f"must be from {least} to {largest}, not {value}")
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ def build(name: str) -> World:
         UnknownNameError: with the names that there are.
     """
     if name not in _WORLDS:
-        raise UnknownNameError("world", name, _WORLDS, "--on")
+        raise UnknownNameError("world", name, _WORLDS, key="on")
     return _WORLDS[name]()
 
 

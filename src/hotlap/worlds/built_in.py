@@ -16,6 +16,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
 from hotlap.race.controllers import ControllerKind
 from hotlap.reference.scenario import Scenario
+from hotlap.system.numba_start import defer_blas
 
 if TYPE_CHECKING:
     from hotlap.flight.fly import Effort
@@ -50,12 +51,14 @@ class BuiltIn:
     @cached_property
     def numbers(self) -> Numbers:
         """Kind of number that was asked for."""
+        defer_blas()
         from hotlap.flight.numbers import Numbers, best_numbers  # noqa: PLC0415  the flight core loads a compiler
 
         return Numbers(self._numbers) if self._numbers else best_numbers()
 
     def needs_compiling(self, scenario: Scenario) -> bool:
         """Whether the kernel for a scenario must be compiled before its next flight."""
+        defer_blas()
         from hotlap.flight import kernel, kernel_cache  # noqa: PLC0415
 
         return not kernel_cache.is_filled(kernel.worker(self.numbers, scenario.race.controller.kind))

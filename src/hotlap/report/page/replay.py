@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 from hotlap.analysis.robustness import Robustness, check_robustness
 from hotlap.analysis.sensitivity import Sensitivity, survey_sensitivity
 from hotlap.core.parameters import Parameters
+from hotlap.core.records import Flights
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort, effort_of
 from hotlap.report.scene import Scene, repeat, stage, trace
 from hotlap.study.configuration import Configuration
+from hotlap.tuning.scoring import score
 from hotlap.worlds.world import World
 
 BEST, FIRST, DEFAULT = "best", "first guess", "default"
@@ -65,9 +67,19 @@ def demonstrate(scenario: Scenario, world: World, sets: Sequence[ParameterSet], 
         sets: at least one, the most important first.
         seeds: of the noise, shape (N,): N flights of each set.
     """
+    return _stage(scenario, _fly(scenario, world, sets, seeds), sets)
+
+
+def _fly(scenario: Scenario, world: World, sets: Sequence[ParameterSet], seeds: NDArray[np.int64]) -> Flights:
+    """All flights of a scene, set by set; the first of each is recorded in full."""
     count = len(seeds)
     parameters = np.concatenate([np.repeat(one.parameters[None], count, axis=0) for one in sets])
-    flown = world.fly(scenario, parameters, np.tile(seeds, len(sets)), log=[i * count for i in range(len(sets))])
+    return world.fly(scenario, parameters, np.tile(seeds, len(sets)), log=[i * count for i in range(len(sets))])
+
+
+def _stage(scenario: Scenario, flown: Flights, sets: Sequence[ParameterSet]) -> Scene:
+    """The scene of these flights."""
+    count = len(flown) // len(sets)
     traces = tuple(trace(scenario, flown, i * count, one.label) for i, one in enumerate(sets))
     repeats = tuple(repeat(flown, slice(i * count, (i + 1) * count), one.label) for i, one in enumerate(sets))
     return stage(scenario, traces, repeats)
@@ -90,38 +102,39 @@ class Replay:
     robustness: tuple[Robustness, ...]
 
 
-def replay_finished(
-    configuration: Configuration, world: World, best: Parameters, robustness: tuple[Robustness, ...] | None = None
-) -> Replay:
+def replay_finished(configuration: Configuration, world: World, best: Parameters, *, robustness: bool | None = None) -> Replay:
     """Fly everything that the page of a finished study shows.
 
     Args:
         configuration: of the study.
         world: where its flights happen.
         best: shape (S, K).
-        robustness: of the best parameters; None: it is flown here.
+        robustness: whether vehicles that differ are flown; None: where the world can, and is not slow.
     """
     scenario, settings = _judged(configuration.scenario), configuration.settings
+    sets, seeds = choose(scenario, configuration.first_guess, best), _seeds(configuration, FLIGHTS)
     before = time.perf_counter()
-    scene = _fly(configuration, scenario, world, best, FLIGHTS)
-    slow = time.perf_counter() - before > SLOW * FLIGHTS * len(scene.traces)
-    if robustness is None:
-        flown = world.takes_vehicle_parameters and not slow
-        robustness = check_robustness(scenario, world, settings.goal, best, settings.seed) if flown else ()
+    flown = _fly(scenario, world, sets, seeds)
+    slow = time.perf_counter() - before > SLOW * len(flown)
+    checked: tuple[Robustness, ...] = ()
+    if world.takes_vehicle_parameters and (not slow if robustness is None else robustness):
+        as_tuned = score(flown, scenario.race.judge).rows(slice(0, FLIGHTS))  # the best come first
+        checked = check_robustness(scenario, world, settings.goal, best, settings.seed, FLIGHTS, as_tuned)
     sensitivity = None if slow else survey_sensitivity(scenario, world, best, settings.seed)
-    return Replay(scene, _efforts(scene, scenario), sensitivity, robustness)
+    scene = _stage(scenario, flown, sets)
+    return Replay(scene, _efforts(scene, scenario), sensitivity, checked)
 
 
 def replay_running(configuration: Configuration, world: World, best: Parameters) -> Replay:
     """Fly what the page shows while the study is still running: fewer flights, no sensitivity, no robustness."""
     scenario = _judged(configuration.scenario)
-    scene = _fly(configuration, scenario, world, best, WHILE_RUNNING)
+    sets = choose(scenario, configuration.first_guess, best)
+    scene = demonstrate(scenario, world, sets, _seeds(configuration, WHILE_RUNNING))
     return Replay(scene, _efforts(scene, scenario), None, ())
 
 
-def _fly(configuration: Configuration, scenario: Scenario, world: World, best: Parameters, flights: int) -> Scene:
-    seeds = flight_seeds(configuration.settings.seed, Stream.DEMONSTRATION, 0, flights)
-    return demonstrate(scenario, world, choose(scenario, configuration.first_guess, best), seeds)
+def _seeds(configuration: Configuration, flights: int) -> NDArray[np.int64]:
+    return flight_seeds(configuration.settings.seed, Stream.DEMONSTRATION, 0, flights)
 
 
 def _efforts(scene: Scene, scenario: Scenario) -> tuple[tuple[Effort, Effort], ...]:

@@ -7,7 +7,6 @@ from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
 
-from hotlap.analysis.robustness import Robustness
 from hotlap.core.errors import HotlapError
 from hotlap.report.markup import text
 from hotlap.report.page.document import dump_study, write_json
@@ -24,13 +23,12 @@ STATIC = '<div id="static"></div>'
 DATA = '<script id="study-data" type="application/json"></script>'
 
 
-def write_report(study: Study, world: World, robustness: tuple[Robustness, ...] | None = None) -> Path:
+def write_report(study: Study, world: World) -> Path:
     """Write the page of a study into the folder of the study; the flights that the page shows are flown here.
 
     Args:
         study: it may have no flights yet.
         world: where its flights happen.
-        robustness: of the best parameters; None: it is flown here.
 
     Returns:
         The file.
@@ -39,7 +37,15 @@ def write_report(study: Study, world: World, robustness: tuple[Robustness, ...] 
         InputError: when it cannot be written.
     """
     snapshot = read_snapshot(study)
-    replay = replay_finished(snapshot.configuration, world, snapshot.best, robustness)
+    return write_replay(snapshot, replay_finished(snapshot.configuration, world, snapshot.best))
+
+
+def write_replay(snapshot: Snapshot, replay: Replay) -> Path:
+    """Write the page of a study whose flights are flown again already; returns the file.
+
+    Raises:
+        InputError: when it cannot be written.
+    """
     path = snapshot.folder / REPORT
     replace(path, render(snapshot, replay))
     return path

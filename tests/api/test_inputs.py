@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from hotlap.cli.inputs import check_target
+from hotlap.api.inputs import check_target
 from hotlap.core.errors import InputError
 
 

@@ -3,21 +3,45 @@
 from __future__ import annotations
 
 import os
+from enum import StrEnum
 from pathlib import Path
+from typing import TypeVar
 
-from hotlap.core.errors import InputError
+from hotlap.core.errors import InputError, UnknownNameError
 
-PICTURES = (".png", ".svg", ".pdf")
+Name = TypeVar("Name", bound=StrEnum)
 
 
-def check_range(option: str, value: int, least: int, most: int) -> None:
+def one_of(names: type[Name], text: str, kind: str, key: str) -> Name:
+    """One of some names.
+
+    Args:
+        names: all there are.
+        text: the one that was given.
+        kind: what they are names of.
+        key: the argument that it was given as.
+
+    Raises:
+        UnknownNameError: with the names that there are.
+    """
+    if text not in list(names):
+        raise UnknownNameError(kind, text, names, key=key)
+    return names(text)
+
+
+def as_path(given: str | Path | None) -> Path | None:
+    """A path that was given in either form."""
+    return None if given is None else Path(given)
+
+
+def check_range(key: str, value: int, least: int, most: int) -> None:
     """Refuse a number that is out of range.
 
     Raises:
-        InputError: with the option and its range.
+        InputError: with the argument and its range.
     """
     if not least <= value <= most:
-        raise InputError(option, "", f"must be from {least} to {most}, not {value}")
+        raise InputError("", key, f"must be from {least} to {most}, not {value}")
 
 
 def check_target(path: Path | None, suffixes: tuple[str, ...] = ()) -> None:

@@ -1,0 +1,148 @@
+"""Flown: parameters flown many times with fresh noise, and how the flights ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hotlap import worlds
+from hotlap.api.asked import Asked
+from hotlap.api.inputs import as_path, check_range, check_source, check_target
+from hotlap.api.outcome import Outcome
+from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, read_guess, read_parameters
+from hotlap.api.wording import count, percent, share
+from hotlap.core.parameters import Parameters
+from hotlap.core.records import End, Flights, Log, Scores
+from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
+from hotlap.core.success_rate import Validation
+from hotlap.files.descriptions import load_parameters
+from hotlap.reference.scenario import Scenario
+from hotlap.system.text_files import replace
+from hotlap.tuning.objective import Objective
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_FLIGHTS = 100_000
+COLUMNS = (
+    *("t", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"),
+    *("u_1", "u_2", "u_3", "u_4", "command_thrust", "command_w_x", "command_w_y", "command_w_z"),
+)
+
+
+@dataclass(frozen=True, repr=False)
+class FlightsResult(Outcome):
+    """Flights of the same parameters, each with noise of its own.
+
+    Attributes:
+        scenario: what was flown.
+        world: where.
+        parameters: that were flown, shape (S, K).
+        flights: what each flight did; the first is recorded in full.
+        scores: what each flight was worth.
+        log: the file of the first flight; None where none was asked for.
+    """
+
+    scenario: Scenario
+    world: str
+    parameters: Parameters
+    flights: Flights
+    scores: Scores
+    log: Path | None = None
+
+    @property
+    def complete(self) -> Validation:
+        """How many flights passed every gate, with the interval of that share."""
+        return Validation(len(self.scores), int(self.scores.complete.sum()))
+
+    def facts(self) -> dict[str, str]:
+        """How many passed every gate, lap times, errors, and where the others ended."""
+        scores = self.scores
+        laps = scores.lap_time[scores.complete]
+        return {
+            "race": f"{self.scenario.race.name}: {count(len(scores), 'flight')}",
+            "all gates in": share(self.complete),
+            "completion": f"{percent(float(scores.completion.mean()))} of the gates, on average",
+            "lap time": f"{laps.mean():.2f} s on average, {laps.min():.2f} to {laps.max():.2f} s" if len(laps) else "-",
+            "mean error": f"{scores.mean_error.mean():.2f} m from the reference",
+            "largest error": f"{scores.max_error.max():.2f} m",
+        }
+
+    def ends(self) -> Iterator[str]:
+        """Where flights ended that did not finish, gate by gate, in words."""
+        for end, verb in ((End.MISSED, "missed"), (End.CRASHED, "crashed before")):
+            counts = np.bincount(self.flights.gates_passed[self.flights.end == end])
+            for gate in np.flatnonzero(counts).tolist():
+                yield f"{counts[gate]} {verb} gate {gate + 1}"
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row for each flight, in the keys of `hotlap fly --json`; None where there is nothing to say."""
+        scores = self.scores
+        columns = {
+            "seed": self.flights.seeds.tolist(),
+            "completion": scores.completion.tolist(),
+            "lap_time": scores.lap_time.tolist(),
+            "cost": scores.cost.tolist(),
+            "end": [End(end).name.lower() for end in self.flights.end.tolist()],
+            "failed_segment": [None if segment < 0 else segment for segment in scores.failed_segment.tolist()],
+            "mean_error": scores.mean_error.tolist(),
+            "max_error": scores.max_error.tolist(),
+        }
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The keys of `hotlap fly --json`."""
+        return {"race": self.scenario.race.name, "world": self.world, "flights": self.rows()}
+
+    def plot(self) -> Figure:
+        """The first flight over the reference, from above and from the side, and where the others failed."""
+        from hotlap.report.scene import repeat, stage, trace  # noqa: PLC0415  matplotlib, only where there is something to draw
+        from hotlap.report.track_view import track  # noqa: PLC0415
+
+        label = "flown"
+        first, all_of_them = trace(self.scenario, self.flights, 0, label), repeat(self.flights, slice(None), label)
+        return track(stage(self.scenario, (first,), (all_of_them,)))
+
+
+def carry_out(asked: Asked) -> FlightsResult:
+    """Check what was asked for, the quick things first; plan, and fly."""
+    check_range("flights", asked.flights, 1, MOST_FLIGHTS)
+    check_range("seed", asked.seed, 0, LARGEST_RUN_SEED)
+    log = as_path(asked.log)
+    check_source(as_path(asked.reference))
+    check_target(log)
+    world, race = worlds.build(asked.on), load(asked.race, asked.controller)
+    if isinstance(asked.parameters, str | Path) and Path(asked.parameters).is_file():
+        load_parameters(asked.parameters)
+    check_guess(str(asked.first_guess))
+    scenario = make_scenario(race, asked)
+    parameters = _parameters(asked, scenario)
+    make_ready(world, scenario, asked.progress)
+    seeds = flight_seeds(asked.seed, Stream.DEMONSTRATION, 0, asked.flights)
+    with asked.progress.working(f"flying {race.name} {asked.flights} times"):
+        repeated = np.repeat(parameters[None], asked.flights, axis=0)
+        flights, scores = Objective(scenario, world).fly_recorded(repeated, seeds, log=(0,))
+    if log is not None:
+        write_log(log, flights.logs[0])
+    return FlightsResult(scenario, world.name, parameters, flights, scores, log)
+
+
+def _parameters(asked: Asked, scenario: Scenario) -> Parameters:
+    """What is flown, shape (S, K)."""
+    given = asked.parameters
+    if given is None:
+        return read_guess(str(asked.first_guess), scenario, asked.progress)
+    if isinstance(given, str | Path):
+        return read_parameters(Path(given), scenario, asked.progress)
+    return fitting(given, scenario)
+
+
+def write_log(path: Path, log: Log) -> None:
+    """One flight as CSV: time, state, rotor thrusts and command of each step."""
+    table = np.column_stack([log.times, log.states, log.rotor_thrusts, log.commands])
+    lines = [",".join(COLUMNS), *(",".join(map(repr, row)) for row in table.tolist())]
+    replace(path, "\n".join(lines) + "\n")

@@ -1,0 +1,66 @@
+"""Progress: what a call says while it works."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from hotlap.tuning.loop import Batch
+
+
+class Progress(Protocol):
+    """Is told how the work of a call goes on; the command line shows it as bars and lines on standard error."""
+
+    def note(self, text: str) -> None:
+        """A remark beside the result."""
+        ...
+
+    def working(self, text: str) -> AbstractContextManager[None]:
+        """Something that takes its time, as long as the context lasts."""
+        ...
+
+    def flights(self, budget: int, flown: int) -> AbstractContextManager[Callable[[Batch], None]]:
+        """The search of a tuning.
+
+        Args:
+            budget: flights at most.
+            flown: flights before it went on.
+
+        Returns:
+            A context that gives the function to be called after each batch.
+        """
+        ...
+
+    def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:
+        """Pieces of work, as the runs of a comparison.
+
+        Args:
+            unit: what they are, in the plural.
+            wanted: how many in all.
+            done: how many of them were there before.
+
+        Returns:
+            A context that gives the function to be called with a few words on each piece that has ended.
+        """
+        ...
+
+
+class Quiet:
+    """Says nothing."""
+
+    def note(self, text: str) -> None:
+        """Nothing."""
+
+    def working(self, text: str) -> AbstractContextManager[None]:  # noqa: ARG002  as the protocol has it
+        """Nothing."""
+        return nullcontext()
+
+    def flights(self, budget: int, flown: int) -> AbstractContextManager[Callable[[Batch], None]]:  # noqa: ARG002
+        """Nothing."""
+        return nullcontext(lambda _: None)
+
+    def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:  # noqa: ARG002
+        """Nothing."""
+        return nullcontext(lambda _: None)

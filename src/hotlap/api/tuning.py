@@ -1,0 +1,72 @@
+"""Tuning: the call `tune`; imports nothing that takes time before it is called."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hotlap.api.asked import Asked
+from hotlap.core.success_rate import RELIABILITY
+from hotlap.first_guess.names import LEARNED
+from hotlap.reference.segmentation_rule import SegmentationRule
+
+if TYPE_CHECKING:
+    from hotlap.api.progress import Progress
+    from hotlap.api.tuned import TuningResult
+    from hotlap.race.race import Race
+
+
+def tune(
+    race: Race | str | Path,
+    *,
+    tuner: str = "gate_gp",
+    goal: str = "completion=1",
+    budget: int = 200,
+    seed: int = 0,
+    out: str | Path | None = None,
+    reference: str | Path | None = None,
+    segments: str = SegmentationRule.PAPER,
+    first_guess: str = LEARNED,
+    controller: str | None = None,
+    on: str = "built-in",
+    randomise: float = 0.0,
+    samples: int = 0,
+    confirm: int = 10,
+    validation: int = 200,
+    reliability: float = RELIABILITY,
+    batch: int = 8,
+    progress: Progress | None = None,
+) -> TuningResult:
+    """Plan a race, tune its controller, confirm and validate the result, and write a page about it: all that `hotlap tune` does.
+
+    Args:
+        race: a built-in race (hotlap races) or a TOML file; in Python also a `Race`.
+        tuner: NAME, NAME:PRESET or my_module.MyTuner.
+        goal: when to stop.
+        budget: flights at most, re-flights included.
+        seed: of the search and of the noise.
+        out: folder of the study, begun or gone on with; None: runs/RACE-DATE, new.
+        reference: read this CSV instead of planning.
+        segments: how the reference is cut.
+        first_guess: what to begin with.
+        controller: which one flies; None: the race's.
+        on: where to fly.
+        randomise: fly in worlds that differ from the vehicle by up to this share.
+        samples: flights of each candidate, all to succeed; 0: 1, randomised 4.
+        confirm: re-flights that a candidate must pass (the paper's: 4).
+        validation: flights of the result with fresh noise, 0 for none.
+        reliability: least share of these to succeed, 0 for any.
+        batch: most candidates to fly at once, for tuners that can.
+        progress: is told how the work goes on; None: nobody is.
+
+    Returns:
+        How it ended, also where the goal was not confirmed; everything that it found lies in the folder of the study.
+
+    Raises:
+        InputError: something that was given is not usable.
+        PlanningError: the race has no plan.
+    """
+    asked = Asked(tune, locals())
+    from hotlap.api.tuned import carry_out  # noqa: PLC0415  it loads what flies
+
+    return carry_out(asked)

@@ -1,0 +1,209 @@
+"""One call for each command: it does the same, says nothing, and returns what can be looked at."""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import nullcontext
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import hotlap
+from cli.fake_hotlap import MODULES
+from hotlap.api.asked import command_line
+from hotlap.cli import main
+from hotlap.cli.output import finite
+from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.files.descriptions import load_parameters, load_race
+from hotlap.study.study import Study
+
+SLOTS = ("tuned", "planned", "flown", "compared", "exported")
+COMPARED = {"tuners": "random_search", "seeds": 2, "budget": 12, "validation": 5, "jobs": 1}
+COMMANDS = {
+    "tuned": ["tune", "straight.toml", "--seed", "1", "--validation", "20", "--out", "line"],
+    "planned": ["plan", "straight.toml", "--out", "plan.csv"],
+    "flown": ["fly", "straight.toml", "--flights", "5", "--seed", "3"],
+    "compared": ["compare", "straight.toml", "--tuners", "random_search", "--seeds", "2", "--budget", "12"]
+    + ["--validation", "5", "--jobs", "1", "--out", "c"],
+    "exported": ["export", "mine", "--format", "json"],
+}
+
+
+@pytest.fixture
+def results(here, capsys):
+    """Of each call; nothing was printed."""
+    assert here.is_dir()
+    found = {
+        "tuned": hotlap.tune("straight.toml", seed=1, validation=20, out="mine"),
+        "planned": hotlap.plan("straight.toml", out="plan.csv"),
+        "flown": hotlap.fly("straight.toml", flights=5, seed=3),
+        "compared": hotlap.compare("straight.toml", out="c", **COMPARED),
+        "exported": hotlap.export("mine", "json"),
+    }
+    assert tuple(capsys.readouterr()) == ("", "")
+    return found
+
+
+def as_printed(document):
+    return json.loads(json.dumps(finite(document)))
+
+
+def test_a_result_has_the_document_that_the_command_prints(results, capsys):
+    for name, command in COMMANDS.items():
+        assert main([*command, "--json"]) == 0
+        printed, mine = json.loads(capsys.readouterr().out), as_printed(results[name].to_dict())
+        differing = {key for key in {**printed, **mine} if printed.get(key) != mine.get(key)}
+        assert differing <= {"wall_time", "study", "parameters", "report"}, name
+
+
+def test_a_result_is_one_or_two_lines_and_a_table_in_notebooks(results):
+    for result in results.values():
+        text = repr(result)
+        assert text.startswith(f"<{type(result).__name__} ")
+        assert len(text) < 400
+        assert text.count("\n") <= 1
+        assert result._repr_html_().startswith("<table>")
+    assert "completion=1 confirmed" in repr(results["tuned"])
+    assert '<a href="mine/report.html">' in results["tuned"]._repr_html_()
+
+
+def test_what_stands_in_a_table_is_no_markup(here):
+    race = load_race("straight.toml").model_copy(update={"name": "<b>"})
+    assert here.is_dir()
+    assert "&lt;b&gt;" in hotlap.plan(race)._repr_html_()
+
+
+def test_a_result_is_a_frame_where_there_is_pandas_and_says_so_where_there_is_none(results, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    for result in results.values():
+        with pytest.raises(InputError, match="needs pandas: pip install pandas"):
+            result.to_frame()
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=lambda rows: rows))
+    frames = {name: result.to_frame() for name, result in results.items()}
+    with Study.read("mine") as study:
+        assert [row["seed"] for row in frames["tuned"]] == study.flights().seeds.tolist()
+    assert len(frames["flown"]) == 5
+    assert [row["seed"] for row in frames["compared"]] == [0, 1]
+    assert frames["planned"][-1]["t"] == pytest.approx(results["planned"].reference.duration)
+    assert frames["exported"][0]["file"] == "mine/parameters.json"
+
+
+def test_a_result_can_be_drawn(results, monkeypatch):
+    monkeypatch.setitem(MODULES, "hotlap.report.comparison", None)
+    monkeypatch.delitem(sys.modules, "hotlap.report.comparison")
+    assert all(isinstance(results[name].plot(), Figure) for name in ("tuned", "planned", "compared"))
+
+
+def test_paths_are_where_the_files_are(results):
+    tuned, compared = results["tuned"], results["compared"]
+    files = [tuned.parameters, tuned.report, compared.table, compared.page, *results["exported"].files]
+    assert all(file.is_file() for file in files)
+    np.testing.assert_array_equal(load_parameters(tuned.folder).values, tuned.values)
+
+
+def test_the_same_call_goes_on(here):
+    assert here.is_dir()
+    asked = {"goal": "mean_error<0.01", "validation": 5, "out": "mine"}
+    first, more = (hotlap.tune("straight.toml", budget=budget, **asked) for budget in (10, 20))
+    assert (first.result.flights, more.result.flights, more.confirmed) == (10, 20, False)
+
+
+def test_a_race_may_be_a_name_a_path_or_a_race(here):
+    path = here / "straight.toml"
+    flown = [hotlap.fly(race, flights=4).scores.cost.tolist() for race in ("straight.toml", path, load_race(path))]
+    assert flown[0] == flown[1] == flown[2]
+    assert hotlap.tune(load_race(path), validation=0, out="mine").again == ""
+    with Study.read("mine") as study:
+        assert study.command == ""
+
+
+def test_parameters_may_be_numbers(results):
+    values = results["tuned"].values
+    from_file, given = (hotlap.fly("straight.toml", parameters=what, flights=6).scores.cost for what in ("mine", values))
+    np.testing.assert_array_equal(from_file, given)
+    same = hotlap.fly("straight.toml", parameters=values[0], flights=6).parameters
+    np.testing.assert_array_equal(same, [values[0]] * 2)
+    with pytest.raises(InputError, match=r"^parameters: must have shape \(2, 5\) or \(5,\), not \(3,\)"):
+        hotlap.fly("straight.toml", parameters=values[0, :3])
+
+
+@pytest.mark.parametrize(
+    ("call", "given", "said"),
+    [
+        (hotlap.tune, {"budget": 0}, "budget: must be from 1 to"),
+        (hotlap.tune, {"goal": "fast"}, "goal: 'fast' is no goal; write completion=1"),
+        (hotlap.tune, {"goal": "lap_time"}, "goal: lap_time is of the command line"),
+        (hotlap.tune, {"tuner": "anealing"}, "tuner: there is no tuner named 'anealing'"),
+        (hotlap.tune, {"on": "mars"}, "on: there is no world named 'mars'"),
+        (hotlap.tune, {"randomise": 0.1}, "randomise: fake flies the vehicle that it has"),
+        (hotlap.tune, {"first_guess": "lerned"}, "first_guess: there is no first guess named 'lerned'"),
+        (hotlap.plan, {"segments": "papre"}, "segments: there is no segmentation rule named 'papre' (did you mean paper?)"),
+        (hotlap.fly, {"controller": "pid"}, "controller: there is no controller named 'pid'; available: geometric"),
+        (hotlap.fly, {"flights": 0}, "flights: must be from 1 to 100000, not 0"),
+        (hotlap.compare, {"out": "c", "jobs": -1}, "jobs: must not be negative, not -1"),
+        (hotlap.compare, {"out": "c", "first_guess": "best"}, "first_guess: there is no first guess named 'best'"),
+    ],
+)
+def test_what_is_not_usable_is_said_by_the_name_of_the_argument(here, call, given, said):
+    assert here.is_dir()
+    with pytest.raises(InputError) as error:
+        call("straight.toml", **given)
+    assert str(error.value).startswith(said)
+
+
+def test_an_unknown_format_is_said_likewise(results):
+    assert results
+    with pytest.raises(UnknownNameError, match=r"^format: there is no format named 'xml'; available: acados"):
+        hotlap.export("mine", "xml")
+
+
+class Stop(BaseException):
+    pass
+
+
+class Stopping:
+    """A progress that stops the work at the first batch or run."""
+
+    def note(self, *_):
+        pass
+
+    def working(self, *_):
+        return nullcontext()
+
+    def pieces(self, *_):
+        return nullcontext(self.stop)
+
+    def flights(self, *_):
+        return nullcontext(self.stop)
+
+    def stop(self, _):
+        raise Stop
+
+
+def test_what_is_interrupted_says_how_to_go_on(here):
+    assert here.is_dir()
+    with pytest.raises(Stop) as stopped:
+        hotlap.tune("straight.toml", seed=1, progress=Stopping())
+    (note,) = stopped.value.__notes__
+    assert note.startswith("nothing is lost; go on with: hotlap tune straight.toml --seed 1 --out runs/straight-")
+    with pytest.raises(Stop) as stopped:
+        hotlap.tune(load_race("straight.toml"), out="mine", progress=Stopping())
+    assert stopped.value.__notes__ == ["nothing is lost; go on with: the same call, out='mine'"]
+    with pytest.raises(Stop) as stopped:
+        hotlap.compare(["straight.toml"], out="c", progress=Stopping(), **COMPARED)
+    assert stopped.value.__notes__ == [f"nothing is lost; go on with: hotlap {' '.join(COMMANDS['compared'])}"]
+
+
+@pytest.mark.parametrize(
+    ("given", "command"),
+    [
+        ({"race": "a.toml"}, "hotlap tune a.toml"),
+        ({"race": "my race.toml", "seed": 1, "first_guess": "default"}, "hotlap tune 'my race.toml' --seed 1 --first-guess default"),
+        ({"race": "a.toml", "out": "x", "budget": 300}, "hotlap tune a.toml --budget 300 --out x"),
+    ],
+)
+def test_the_command_of_a_call_has_what_differs_from_the_defaults(given, command):
+    assert command_line(hotlap.tune, given) == command
