@@ -72,7 +72,7 @@ def test_pairs_of_numbers_are_tied_in_tables_only():
 
 def test_every_public_name_has_a_row_that_leads_to_its_module():
     rows = interface.names()
-    assert "`prepare <hotlap.planning.preparation.prepare>`" in rows
+    assert "`load_race <hotlap.files.descriptions.load_race>`" in rows
     assert "| Make a race ready to fly" in rows
 
 
