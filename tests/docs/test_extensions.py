@@ -73,7 +73,7 @@ def test_pairs_of_numbers_are_tied_in_tables_only():
 def test_every_public_name_has_a_row_that_leads_to_its_module():
     rows = interface.names()
     assert "`load_race <hotlap.files.descriptions.load_race>`" in rows
-    assert "| Make a race ready to fly" in rows
+    assert "| A built-in race by name" in rows
 
 
 def test_a_package_stands_for_its_modules_and_none_comes_twice():
