@@ -39,17 +39,20 @@ def found():
     return gather(("circle-34",), wanted=150, every=20)
 
 
+@pytest.mark.check
 def test_two_sweeps_come_near_and_three_reach_it(found):
     assert np.median(errors(found, 2)) < 1e-3
     assert np.median(errors(found, 3)) < 1e-6
 
 
+@pytest.mark.check
 def test_more_sweeps_come_nearer(found):
     means = [errors(found, sweeps).mean() for sweeps in (1, 2, 3, 6)]
     assert means == sorted(means, reverse=True)
     assert means[-1] < 0.2 * means[0]
 
 
+@pytest.mark.check
 def test_the_oracle_keeps_the_bounds_and_bounds_are_active(found):
     at_bound = 0
     for problem, best in found:

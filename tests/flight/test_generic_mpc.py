@@ -87,17 +87,20 @@ def commands(kind: ControllerKind, vehicle: dict) -> np.ndarray:
     return np.array([controller.command(k * 0.01, scenario.reference.table[k, :10] + 0.02) for k in range(20)])
 
 
+@pytest.mark.check
 def test_without_drag_it_is_the_papers_controller():
     free = {"drag": (0.0, 0.0, 0.0), "rotor_drag": 0.0, "body_drag": (0.0, 0.0, 0.0)}
     assert_allclose(commands(ControllerKind.MPC_DRAG, free), commands(ControllerKind.MPC, free), atol=0.02)
 
 
+@pytest.mark.check
 def test_with_drag_it_pushes_against_it():
     """At speed along x, a model that knows the drag asks for more thrust or tilt than one that does not."""
     apart = np.abs(commands(ControllerKind.MPC_DRAG, DRAGGED) - commands(ControllerKind.MPC, DRAGGED)).max(axis=0)
     assert apart[0] > 0.05 or apart[2] > 0.05
 
 
+@pytest.mark.check
 def test_knowing_the_drag_brings_it_nearer_to_the_reference():
     errors = {}
     for kind in (ControllerKind.MPC, ControllerKind.MPC_DRAG):

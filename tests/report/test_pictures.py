@@ -57,6 +57,7 @@ def check(folder: Path, files) -> None:
     assert not list(folder.glob("*.part"))
 
 
+@pytest.mark.check
 @pytest.mark.parametrize(
     ("world", "goal", "budget"),
     [
@@ -73,12 +74,14 @@ def test_any_study_can_be_drawn(tmp_path, world, goal, budget):
     check(tmp_path, draw_study(tmp_path, world, goal=goal, budget=budget))
 
 
+@pytest.mark.check
 def test_a_single_segment_can_be_drawn(tmp_path):
     scenario = make_scenario()
     scenario = replace(scenario, segments=Segments(np.zeros(1), (SegmentClass.STEEP,), scenario.reference.duration))
     check(tmp_path, draw_study(tmp_path, scenario=scenario))
 
 
+@pytest.mark.check
 def test_many_segments_can_be_drawn(tmp_path):
     scenario = make_scenario()
     kinds = tuple(SegmentClass) * 6
@@ -87,6 +90,7 @@ def test_many_segments_can_be_drawn(tmp_path):
     check(tmp_path, draw_study(tmp_path, scenario=scenario))
 
 
+@pytest.mark.check
 def test_segments_of_several_pieces_can_be_drawn(tmp_path):
     scenario, kinds = make_scenario(), (SegmentClass.ASCENT, SegmentClass.STEEP, SegmentClass.ASCENT)
     segments = Segments(np.array([0.0, 1.0, 2.5]), kinds, scenario.reference.duration, (0, 1, 0))
@@ -103,10 +107,12 @@ def test_every_class_has_a_colour():
     assert set(CLASS_COLOURS) == set(CLASS_CODES) == set(SegmentClass)
 
 
+@pytest.mark.check
 def test_the_rule_closest_can_be_drawn(tmp_path):
     check(tmp_path, draw_study(tmp_path, scenario=make_scenario(JudgeSettings(rule=GateRule.CLOSEST, fly_on=True))))
 
 
+@pytest.mark.check
 def test_a_study_without_flights_can_be_drawn(tmp_path):
     scenario = make_scenario()
     configuration = Configuration(
@@ -131,11 +137,13 @@ class LostWorld(PlausibleWorld):
         return replace(flights, logs=logs, end=ends, gates_passed=zeros, end_position=nowhere, clock_distance=none, closest_time=none)
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("rows", [0, 1])
 def test_flights_that_leave_no_trace_can_be_drawn(tmp_path, rows):
     check(tmp_path, draw_study(tmp_path, LostWorld(rows), goal="none", budget=4))
 
 
+@pytest.mark.check
 def test_drawing_again_replaces_the_pictures(tmp_path):
     first = [path.read_bytes() for path in draw_study(tmp_path)]
     assert [path.read_bytes() for path in draw_study(tmp_path)] == first
@@ -180,6 +188,7 @@ def show(scenario, reach, count):
     return demonstrate(scenario, PlausibleWorld(reach=reach), choose(scenario, scenario.space.first_guess(2), best), np.arange(count))
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_a_plan_is_drawn_in_the_format_of_its_suffix(tmp_path, suffix):
     path = tmp_path / f"plan.{suffix}"
@@ -200,6 +209,7 @@ def test_a_picture_that_cannot_be_written_is_an_input_error(tmp_path):
         draw_plan(tmp_path / "nowhere" / "plan.png", make_scenario())
 
 
+@pytest.mark.check
 def test_a_plan_stands_on_end_or_on_a_point(tmp_path):
     scenario = make_scenario()
     for k, shape in enumerate(([0, 0, 1.0], [0, 0, 0.0], [0, 1.0, 0])):
@@ -214,6 +224,7 @@ def test_settings_of_the_user_are_left_alone():
         assert mpl.rcParams == before
 
 
+@pytest.mark.check
 def test_settings_of_the_user_change_no_picture(tmp_path):
     draw_plan(tmp_path / "plain.png", make_scenario())
     with mpl.rc_context({"axes.grid": True, "font.size": 30.0, "lines.linewidth": 9, "savefig.dpi": 20, "savefig.bbox": "tight"}):
@@ -227,6 +238,7 @@ def test_no_figure_is_left_to_pyplot():
     assert pyplot is None or not pyplot.get_fignums()
 
 
+@pytest.mark.check
 def test_nothing_below_loads_matplotlib():
     code = "import hotlap, hotlap.study.study, hotlap.planning, hotlap.reference.segmentation, sys; sys.exit('matplotlib' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
@@ -245,6 +257,7 @@ def texts(figure: Figure) -> str:
     return " ".join(text.get_text() for text in figure.findobj(mpl.text.Text))
 
 
+@pytest.mark.check
 def test_every_axis_has_its_unit():
     scenario = make_scenario()
     scene = show(scenario, 20.0, 4)
@@ -253,6 +266,7 @@ def test_every_axis_has_its_unit():
     assert all(words in error for words in ("time [s]", "distance [m]", "1.3 m", "flat", "ascent", "missed gate"))
 
 
+@pytest.mark.check
 def test_parameters_show_values_and_bounds():
     scenario = make_scenario()
     change = compare(scenario.space, scenario.segments, scenario.space.first_guess(2), np.tile(OPTIMUM, (2, 1)), 0.5)
@@ -275,6 +289,7 @@ def test_a_figure_of_one_file_is_saved_whole(tmp_path):
     assert save(tmp_path / "empty.PNG", figure) == tmp_path / "empty.PNG"
 
 
+@pytest.mark.check
 def test_failures_are_shown_without_repeats_as_well():
     scenario = make_scenario()
     scene = show(scenario, 20.0, 4)
@@ -301,6 +316,7 @@ def everything(study):
     return figures_of(study, PlausibleWorld(), flights=4)
 
 
+@pytest.mark.check
 def test_every_figure_of_a_study_is_saved_under_its_name(study, everything, tmp_path, monkeypatch):
     monkeypatch.setattr(pictures, "figures_of", lambda *_: everything)
     with Study.read(study.folder) as read:
@@ -309,12 +325,14 @@ def test_every_figure_of_a_study_is_saved_under_its_name(study, everything, tmp_
     assert all(path.read_bytes().startswith(SIGNATURES["png"]) for path in files)
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("kind", sorted({*FORMATS} - {"png"}))
 def test_every_figure_has_every_format(everything, kind, tmp_path):
     for name, figure in everything.items():
         assert save(tmp_path / f"{name}.{kind}", figure).read_bytes().startswith(SIGNATURES[kind])
 
 
+@pytest.mark.check
 def test_everything_of_a_study_without_flights_is_drawn(tmp_path):
     drawn = figures_of(begin(tmp_path, configure()), PlausibleWorld(crash=True), flights=1)
     assert len(drawn) == 7
