@@ -181,7 +181,7 @@ def _check_folder(folder: Path | None) -> None:
     if folder is not None and folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of a study")
     if folder is not None and (folder / FASTEST).exists():
-        raise StudyError(str(folder), "", "holds a search for the fastest plan; give --out a folder of its own")
+        raise StudyError(str(folder), "", "holds a search for the fastest plan; give another folder")
 
 
 def _tune(study: Study, world: World, asked: Asked) -> Result:
