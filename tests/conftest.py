@@ -1,5 +1,11 @@
-"""Hypothesis without clocks and without luck: the same examples on every machine; linear algebra on one thread."""
+"""Hypothesis without clocks and without luck, linear algebra on one thread, and kernels compiled while the workers still look for tests."""
 
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
 from hypothesis import settings
 
 from hotlap.system.blas_threads import one_thread
@@ -8,3 +14,26 @@ one_thread()
 
 settings.register_profile("hotlap", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("hotlap")
+
+COMPILE = """
+import sys
+from hotlap.flight.self_check import make_scenario
+from hotlap.race.controller_kind import ControllerKind
+from hotlap.worlds.built_in import BuiltIn
+for kind in ControllerKind.MPC, ControllerKind.GEOMETRIC:
+    world = BuiltIn(sys.argv[1])
+    if world.needs_compiling(make_scenario(kind)):
+        world.prepare(make_scenario(kind))
+"""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Where all tests are run by several workers, compile what they would otherwise wait for, lanes and plain floats side by side.
+
+    A worker that needs a kernel that is under way waits for it (`flight.kernel_cache`); where nothing is to be compiled this ends at once.
+    """
+    everything = config.args == config.getini("testpaths") and getattr(config.option, "numprocesses", None)
+    if everything and not hasattr(config, "workerinput"):
+        quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        for numbers in ("", "float64"):
+            subprocess.Popen([sys.executable, "-c", COMPILE, numbers], **quiet)

@@ -86,6 +86,8 @@ _FORMER_HOMES = {  # names of before, which go on working
     "tuning.scoring": ("Metric",),
     "worlds.built_in": ("BuiltIn",),
 }
+_RENAMED = {"Course": ("reference.scenario", "Scenario")}
+_GONE = {"carry_out": "hotlap.study.study.Study.run, a method"}
 _HOME = {name: module for module, names in _HOMES.items() for name in names}
 _FORMER_HOME = {name: module for module, names in _FORMER_HOMES.items() for name in names}
 
@@ -100,7 +102,12 @@ def __getattr__(name: str) -> Any:
         home = f"hotlap.{_FORMER_HOME[name]}"
         warnings.warn(f"hotlap.{name} is {home}.{name} now", DeprecationWarning, stacklevel=2)
         return getattr(import_module(home), name)
-    raise AttributeError(f"module 'hotlap' has no attribute '{name}'")
+    if name in _RENAMED:
+        module, present = _RENAMED[name]
+        warnings.warn(f"hotlap.{name} is hotlap.{module}.{present} now", DeprecationWarning, stacklevel=2)
+        return getattr(import_module(f"hotlap.{module}"), present)
+    instead = f"; it is {_GONE[name]}, now" if name in _GONE else ""
+    raise AttributeError(f"module 'hotlap' has no attribute '{name}'{instead}")
 
 
 def __dir__() -> list[str]:

@@ -41,6 +41,13 @@ def test_names_of_before_can_be_imported_as_before():
     assert BuiltIn().name == "built-in"
 
 
+def test_a_class_that_was_renamed_and_a_function_that_became_a_method_say_so():
+    with pytest.warns(DeprecationWarning, match=r"hotlap\.Course is hotlap\.reference\.scenario\.Scenario now"):
+        assert hotlap.Course.__name__ == "Scenario"
+    with pytest.raises(AttributeError, match=r"no attribute 'carry_out'; it is hotlap\.study\.study\.Study\.run, a method, now"):
+        hotlap.carry_out  # noqa: B018
+
+
 def test_looking_around_warns_of_nothing():
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -6,6 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.core.renamed import RenamedWarning
 from hotlap.files import descriptions, toml_writer
 from hotlap.files.descriptions import TYPES, Kind, load, load_quadrotor, load_race, load_track, names, save
 from hotlap.files.documented_keys import documented_keys
@@ -273,3 +274,19 @@ def test_writing_where_nothing_can_be_written_is_one_line(tmp_path):
 
 def test_the_rule_of_the_airsim_suite_comes_with_its_base():
     assert load_race("airsim-flip-16").judge.rule is GateRule.CLOSEST
+
+
+def test_keys_of_before_go_on_working_and_one_line_says_the_new_ones(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "circle-34"\n[controller]\nhandover = "distance"\nhandover_distance = 3.0\n')
+    with pytest.warns(RenamedWarning, match=r"mine\.toml: controller\.handover(_distance)? is now called segment_switch") as said:
+        race = load_race(path)
+    assert len(said) == 2
+    assert (race.controller.segment_switch, race.controller.segment_switch_distance) == ("distance", 3.0)
+
+
+def test_a_key_under_both_its_names_is_refused(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "circle-34"\n[controller]\nhandover = "distance"\nsegment_switch = "node"\n')
+    with pytest.raises(InputError, match=r"mine\.toml: controller\.handover: is now called segment_switch, which is there too"):
+        load_race(path)

@@ -54,12 +54,12 @@ def test_a_vehicle_that_is_heavier_than_its_model_is_noted_and_expected_to_be_ha
     assert "unknown mass" not in findings(race)
 
     def weighing(factor):
-        """The same race where the drone has other weight than its controller believes."""
+        """The same race where the drone has other weight than the control model."""
         return race.model_copy(update={"model": race.vehicle.model_copy(update={"mass": race.vehicle.mass / factor})})
 
     heavier, lighter = findings(weighing(1.08)), findings(weighing(0.92))
     assert (heavier["unknown mass"].value, heavier["unknown mass"].level) == ("8.0%", Level.NOTE)
-    assert heavier["unknown mass"].remark.startswith("heavier than the controller believes")
+    assert heavier["unknown mass"].remark.startswith("heavier than the control model")
     assert lighter["unknown mass"].remark.startswith("lighter")
     assert heavier["expected difficulty"].value == "hard"
     assert lighter["expected difficulty"].value == findings(race)["expected difficulty"].value

@@ -8,7 +8,7 @@ import { find, lastTime, lengths, progress } from "../flight";
 import { digits } from "../format";
 import { h } from "../dom";
 import { type Drawing, Frame } from "./frame";
-import { beyond, scenario as drawCourse, level, mark } from "./marks";
+import { beyond, scenario as drawScenario, level, mark } from "./marks";
 
 const OFTEN = 100; // ms; numbers that change faster cannot be read
 
@@ -84,7 +84,7 @@ export class TimeChart {
       yValues: (value) => digits(value),
       below: (plot, pen) => {
         if (quantity.limits) beyond(plot, pen, quantity.limits, colours);
-        drawCourse(plot, pen, track, at, app.lit.value, colours);
+        drawScenario(plot, pen, track, at, app.lit.value, colours);
       },
       above: (plot, pen) => {
         if (quantity.line) level(plot, pen, quantity.line.value, quantity.line.name, colours);

@@ -163,12 +163,11 @@ def _budgets(text: str) -> Mapping[str, int]:
     budgets = {"": 200}
     for part in text.split(","):
         name, separator, number = part.rpartition("=")
+        tuner = tuners.build(name).name if separator else ""
         try:
-            budgets[tuners.build(name).name if ":" in name else name] = int(number)
+            budgets[tuner if ":" in name else tuner.partition(":")[0]] = int(number)
         except ValueError:
             raise InputError("", "budget", f"must be like 200,cma_es=1000, not '{part}'") from None
-        if separator and ":" not in name:
-            tuners.build(name)
     return budgets
 
 

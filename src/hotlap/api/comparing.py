@@ -47,7 +47,7 @@ def compare(
         budget: flights of a run, re-flights included: 200,cma_es=1000; in Python also a number.
         goal: when a run stops.
         confirm: re-flights that a candidate must pass.
-        randomise: fly in worlds that differ from the vehicle by up to this share.
+        randomise: fly vehicles whose parameters differ from the race's by up to this share.
         samples: flights of each candidate, all to succeed; 0: 1, randomised 4.
         validation: flights of each result with fresh noise.
         first_guess: where all begin.

@@ -126,8 +126,8 @@ class TuningResult(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap tune --json`."""
         paths = {"study": str(self.folder), "parameters": str(self.parameters), "report": None if self.report is None else str(self.report)}
-        hold = [_dump_robustness(one) for one in self.robustness]
-        return {**self.result.dump(), "world": self.world, "first_guess": self.first_guess, "hold": hold, **paths}
+        robustness = [_dump_robustness(one) for one in self.robustness]
+        return {**self.result.dump(), "world": self.world, "first_guess": self.first_guess, "robustness": robustness, **paths}
 
     def plot(self) -> Figure:
         """Completion and cost over the flights of the search."""

@@ -51,7 +51,7 @@ def tune(
         first_guess: what to begin with.
         controller: which one flies; None: the race's.
         on: where to fly.
-        randomise: fly in worlds that differ from the vehicle by up to this share.
+        randomise: fly vehicles whose parameters differ from the race's by up to this share.
         samples: flights of each candidate, all to succeed; 0: 1, randomised 4.
         confirm: re-flights that a candidate must pass (the paper's: 4).
         validation: flights of the result with fresh noise, 0 for none.

@@ -244,6 +244,8 @@ def _with_present_names(description: type[Described], table: dict[str, Any], lab
     present = {}
     for name, value in table.items():
         new, dotted = description.renamed.get(name, name), f"{key}.{name}" if key else name
+        if new != name and new in table:
+            raise InputError(label, dotted, f"is now called {new}, which is there too: leave one of them out")
         if new != name:
             say_renamed(dotted, new, label)
         inner = table_of(description, new)

@@ -146,7 +146,7 @@ def unknown_latency(race: Race) -> float:
 
 
 def missing_mass(race: Race) -> float:
-    """Share of its weight by which the vehicle is heavier than the controller believes [-]; negative where it is lighter."""
+    """Share of its weight by which the vehicle is heavier than the control model [-]; negative where it is lighter."""
     return race.vehicle.mass / race.control_model.mass - 1
 
 
@@ -200,7 +200,7 @@ def _mass(race: Race) -> list[Finding]:
     missing = missing_mass(race)
     if abs(missing) < SAME_MASS:
         return []
-    remark = f"{'heavier' if missing > 0 else 'lighter'} than the controller believes: a lasting error; weigh it, set model.mass, tune then"
+    remark = f"{'heavier' if missing > 0 else 'lighter'} than the control model: a lasting error; weigh it, set model.mass, tune then"
     return [Finding("unknown mass", f"{abs(missing):.1%}", remark, Level.NOTE)]
 
 

@@ -92,7 +92,7 @@ class _Canvas:
 
 
 @dataclass(frozen=True)
-class _Layout:
+class _Arrangement:
     """How the views are arranged.
 
     Attributes:
@@ -159,7 +159,7 @@ def _draw_views(
     return _beside(views[0], views[1], layout.columns) if layout.beside else [*views[0], *views[1]]
 
 
-def _arrange(low: Floats, high: Floats, width: int, height: int) -> _Layout:
+def _arrange(low: Floats, high: Floats, width: int, height: int) -> _Arrangement:
     """The views of a box, each shape (3,) [m], below or beside each other, whichever makes them larger."""
     views = views_of(*widen(low, high, LEAST_EXTENT))
     (wide, deep), (_, high_up) = (view.extent for view in views)
@@ -171,7 +171,7 @@ def _arrange(low: Floats, high: Floats, width: int, height: int) -> _Layout:
     most = (width - GUTTER) // 2 if beside else width
     columns = min(max(int(np.ceil((wide * scale + 1) / 2 - 1e-6)), min(LEAST_COLUMNS, most)), most)
     above, side = (max(2, int(np.ceil((length * scale + 1) / 4 - 1e-6))) for length in (deep, high_up))
-    return _Layout(views, scale, columns, (above, side), beside)
+    return _Arrangement(views, scale, columns, (above, side), beside)
 
 
 def _beside(left: list[str], right: list[str], columns: int) -> list[str]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
 from hotlap.race.controllers import ControllerKind
@@ -91,8 +92,12 @@ class BuiltIn:
         from hotlap.flight.self_check import agrees  # noqa: PLC0415
 
         if kind not in self._sound:
-            sound = not self.numbers.width or agrees(self.numbers, kind)
+            try:
+                sound = not self.numbers.width or agrees(self.numbers, kind)
+                reason = f"{UNSOUND.format(self.numbers)} (numba {version('numba')}, {machine()})"
+            except HotlapError as error:  # no second interpreter, for want of memory or of a program
+                sound, reason = False, f"{error}, so flights are computed in float64, ten times slower"
             self._sound[kind] = self.numbers if sound else Numbers.FLOAT64
             if not sound:
-                warnings.warn(f"{UNSOUND.format(self.numbers)} (numba {version('numba')}, {machine()})", RuntimeWarning, stacklevel=3)
+                warnings.warn(reason, RuntimeWarning, stacklevel=3)
         return self._sound[kind]
