@@ -79,7 +79,20 @@ def test_budgets_of_some_tuners(hotlap):
 
 @pytest.mark.filterwarnings("default::hotlap.core.renamed.RenamedWarning")
 def test_a_budget_by_a_tuners_name_of_before_counts(hotlap):
-    asked = ["straight.toml", "--out", "kept", "--seeds", "1", "--tuners", "random_search,gate_gp", "--budget", "30,gatewise=20", "--json"]
+    asked = [
+        "straight.toml",
+        "--out",
+        "kept",
+        "--seeds",
+        "1",
+        "--tuners",
+        "random_search,gate_gp",
+        "--budget",
+        "30,gatewise=20",
+        "--jobs",
+        "1",
+        "--json",
+    ]
     assert hotlap("compare", *asked).document["budget"] == {"random_search:paper": 30, "gate_gp:default": 20}
 
 
