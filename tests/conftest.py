@@ -20,10 +20,9 @@ import sys
 from hotlap.flight.self_check import make_scenario
 from hotlap.race.controller_kind import ControllerKind
 from hotlap.worlds.built_in import BuiltIn
-for kind in ControllerKind.MPC, ControllerKind.GEOMETRIC:
-    world = BuiltIn(sys.argv[1])
-    if world.needs_compiling(make_scenario(kind)):
-        world.prepare(make_scenario(kind))
+world, scenario = BuiltIn(sys.argv[1]), make_scenario(ControllerKind.MPC)
+if world.needs_compiling(scenario):
+    world.prepare(scenario)
 """
 
 

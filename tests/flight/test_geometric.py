@@ -98,6 +98,7 @@ def test_commands_keep_their_bounds_even_upside_down():
     assert ((low <= command) & (command <= high)).all()
 
 
+@pytest.mark.check
 def test_it_flies_and_its_lanes_fly_as_plain_floats_do():
     scenario = geometric(noise={"position": 0.05, "thrust": 0.02, "rates": 0.1})
     asked = np.tile(GAINS, (9, 2, 1))
@@ -107,6 +108,7 @@ def test_it_flies_and_its_lanes_fly_as_plain_floats_do():
     assert fly(scenario, asked[:1], seeds=[4]).mean_error[0] == lanes.mean_error[4]
 
 
+@pytest.mark.check
 def test_by_itself_it_repeats_a_flight():
     scenario = geometric({"delay": 0.03}, model={"delay": 0.03})
     log = fly(scenario, np.tile(GAINS, (1, 2, 1)), numbers="float64", log=[0]).logs[0]
