@@ -54,8 +54,8 @@ def landscape(jobs: ResumableJobs, *, quick: bool) -> Article:
     page = Article("The landscape of completion")
     points, flights = (12, 2) if quick else (POINTS, FLIGHTS)
     page.say(
-        f"Mean completion over {flights} flights with the same noise at every point, {points} x {points} points from bound to bound in "
-        "logarithms; the other parameters are the authors' defaults, all segments alike."
+        f"Mean completion over {flights} flights with the same noise at every point, {points} x {points} points between the bounds, "
+        "equally spaced in logarithms; the other parameters are the authors' defaults, the same in all segments."
     )
     for name, (x, y) in product(list(MAPPED)[: 1 if quick else None], PAIRS[: 1 if quick else None]):
         _map(jobs, page, name, Landscape(load_race(name), x, y, points, flights))
@@ -102,7 +102,7 @@ def _scatter(jobs: ResumableJobs, page: Article, *, quick: bool) -> None:
     rows = {(name, v_max): found[f"{name} at {v_max:g} m/s, {samples} samples"] for name, own in speeds.items() for v_max in own}
     page.head("The faster, the more sensitive")
     page.say(
-        f"Share of {samples} random parameters, one set for all segments, even in logarithms within the bounds, that pass every gate, "
+        f"Share of {samples} random parameters, one set for all segments, uniform in logarithms within the bounds, that pass every gate, "
         "with Wilson's 95 % interval:"
     )
     page.table(

@@ -117,7 +117,7 @@ SPREADS = (0.0, 0.1)  # of --randomise
 
 
 def robustness(jobs: ResumableJobs, *, quick: bool) -> Article:
-    """A matrix for each axis: rows tuned, columns flown; and a line for tuning in randomised worlds."""
+    """A matrix for each axis: rows tuned, columns flown; and a line for tuning with randomised vehicle parameters."""
     base, seeds = load_race("circle-34" if quick else "qualifier-20"), 1 if quick else 5
     grids = _conditions(base, quick=quick)
     wanted = {f"{axis} {label}": TuningJob(race, seeds) for axis, races in grids.items() for label, race in races.items()}
@@ -132,14 +132,14 @@ def robustness(jobs: ResumableJobs, *, quick: bool) -> Article:
     shares = jobs.each("flights", flights, fly_controllers)
     page = Article("Robustness")
     page.say(
-        f"Mean completion [%] on {base.name} of {seeds} controllers, {FLIGHTS} flights each, tuned under the condition of a row and flown "
-        "under that of a column. Neither the plan nor the controller knows of it, but for speed and layout, which change the plan. Tuned "
-        "from the default weights."
+        f"Mean completion [%] on {base.name} of {seeds} controllers, {FLIGHTS} flights each, tuned under the condition of the row and flown "
+        "under that of the column. The condition is in neither the plan nor the controller's model, except speed and layout, which change "
+        "the plan. Tuned from the default weights."
     )
     for axis, races in grids.items():
         values = [[shares[f"{axis} {row} flown at {axis} {column}"] for column in races] for row in races]
         _show_matrix(jobs, page, axis, list(races), np.array(values))
-    page.head("Tuned in randomised worlds")
+    page.head("Tuned with randomised vehicle parameters")
     page.say(f"Flown under the same conditions, tuned on {base.name} as it is, or with `--randomise 0.1`:")
     for axis, races in grids.items():
         rows = [
