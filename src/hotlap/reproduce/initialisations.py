@@ -36,7 +36,7 @@ CONVERGED = 1.1  # of Gelman and Rubin's ratio
 
 @dataclass(frozen=True)
 class Starts:
-    """Runs from parameters drawn uniformly in logarithms within the bounds, the same in all segments; to `keep` is to go on after a find."""
+    """Runs from parameters drawn uniformly in logarithms, the same in all segments; with `keep` they go on after one is confirmed."""
 
     race: Race
     tuner: str
@@ -110,8 +110,8 @@ def initialisations(jobs: ResumableJobs, *, quick: bool) -> Article:
     found = [(one, results[one.label]) for one in wanted]
     page = Article("Random starts")
     page.say(
-        f"{count} searches begin at parameters drawn uniformly in logarithms within the bounds, the same in all segments; {budget} flights, "
-        "ten re-flights."
+        f"{count} searches begin at parameters drawn uniformly in logarithms within the bounds, the same in all segments; {budget} "
+        "flights, ten re-flights."
     )
     heads = ("race", "tuner", "reach 100 % [%]", "median flights", "least", "most")
     page.table(heads, [_how_many(found, race, tuner) for race in races for tuner in TUNERS])

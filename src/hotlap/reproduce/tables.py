@@ -143,8 +143,8 @@ def table2(jobs: ResumableJobs, *, quick: bool) -> Article:
         f"hotlap's are means over {FLOWN} flights with noise, of those that pass every gate, whose share is given. "
         "*Planned as in Table I*: the paper's v_max (airsim's final 21 m/s, as 22 is beyond the vehicle), flown with the learned first "
         "guess, untuned. "
-        "*Fastest*: v_max, tolerance and thrust of the plan searched, "
-        f"the soonest that passes every gate in {percent(RELIABLE)} % of 200 flights, twice; shown are flights that it was not chosen by."
+        "*Fastest*: v_max, tolerance and thrust of the plan are searched for the shortest lap that passes every gate in "
+        f"{percent(RELIABLE)} % of 200 flights, twice; the figures are of other flights than those that it was chosen by."
     )
     rows = [[team, *_numbers(qualifier), "", *_numbers(final), ""] for team, (qualifier, final) in TABLE_II.items()]
     if not quick:
