@@ -25,13 +25,15 @@ SAYS = {
     "robustness_check": "10 % heavier",
 }
 EVERY = pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+LONG = {"sampler_on_own_function"}
+RUN = [pytest.param(path, marks=[pytest.mark.check] if path.stem in LONG else [], id=path.stem) for path in EXAMPLES]
 
 
 def test_every_example_says_something_that_is_looked_for():
     assert {path.stem for path in EXAMPLES} == set(SAYS)
 
 
-@EVERY
+@pytest.mark.parametrize("path", RUN)
 def test_it_runs_in_an_empty_folder_and_says_what_came_of_it(path, tmp_path, monkeypatch, capsys):
     """In this process, as if it had been started from the folder; warnings are errors in all tests."""
     monkeypatch.chdir(tmp_path)

@@ -92,6 +92,7 @@ def test_an_operation_that_means_something_else_is_found_out(operation, interpre
     assert not self_check.same(self_check.fly_compiled(LANES, ControllerKind.GEOMETRIC), interpreted[operation])
 
 
+@pytest.mark.check
 def test_a_kernel_is_checked_by_a_process_of_its_own(monkeypatch):
     assert self_check.check(LANES, ControllerKind.GEOMETRIC)
     monkeypatch.setattr(self_check, "PROGRAM", "import sys; import numpy as np; np.savez(sys.stdout.buffer, np.zeros(3))")
