@@ -93,7 +93,14 @@ def test_a_budget_by_a_tuners_name_of_before_counts(hotlap):
         "1",
         "--json",
     ]
-    assert hotlap("compare", *asked).document["budget"] == {"random_search:paper": 30, "gate_gp:default": 20}
+    ran = hotlap("compare", *asked)
+    assert ran.document["budget"] == {"random_search:paper": 30, "gate_gp:default": 20}
+
+
+@pytest.mark.filterwarnings("default::hotlap.core.renamed.RenamedWarning")
+def test_a_name_of_before_that_is_given_twice_is_said_once(hotlap):
+    ran = hotlap("compare", "straight.toml", "--tuners", "gatewise", "--budget", "20,gatewise=15", "--seeds", "0", "--out", "kept")
+    assert ran.err.count("gatewise is now called gate_gp") == 1
 
 
 @pytest.mark.parametrize(

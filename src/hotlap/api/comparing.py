@@ -55,7 +55,7 @@ def compare(
         segments: how the reference is cut.
         controller: which one flies; None: the race's.
         on: where to fly.
-        progress: is told how the work goes on; None: nobody is.
+        progress: receives messages about the progress of the work; None: no messages.
 
     Returns:
         Every run, and a row for each tuner on each race.

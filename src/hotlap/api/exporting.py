@@ -25,7 +25,7 @@ def export(
         folder: folder of a study, as hotlap tune made it.
         format: of which program.
         out: file to write; None: one in DIR.
-        progress: is told how the work goes on; None: nobody is.
+        progress: receives messages about the progress of the work; None: no messages.
 
     Returns:
         The files that were written.

@@ -43,7 +43,7 @@ def fly(
         controller: which one flies; None: the race's.
         on: where to fly.
         log: write the first flight as CSV, step by step.
-        progress: is told how the work goes on; None: nobody is.
+        progress: receives messages about the progress of the work; None: no messages.
 
     Returns:
         How each flight ended; a drone that crashes is a result.

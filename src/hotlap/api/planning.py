@@ -33,7 +33,7 @@ def plan(
         reference: read this CSV instead of planning.
         segments: how the reference is cut.
         cache: take the plan from the user's cache, and leave it there; False: plan anew, and keep nothing in the cache of plans.
-        progress: is told how the work goes on; None: nobody is.
+        progress: receives messages about the progress of the work; None: no messages.
 
     Returns:
         The reference with its segments.

@@ -57,7 +57,7 @@ def tune(
         validation: flights of the result with fresh noise, 0 for none.
         reliability: least share of these to succeed, 0 for any.
         batch: most candidates to fly at once, for tuners that can.
-        progress: is told how the work goes on; None: nobody is.
+        progress: receives messages about the progress of the work; None: no messages.
 
     Returns:
         How it ended, also where the goal was not confirmed; everything that it found lies in the folder of the study.

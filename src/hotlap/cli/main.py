@@ -8,7 +8,7 @@ import os
 import shlex
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")  # a terminal without our characters is no reason to fail
     try:
         with stopped_by_signals(), warnings.catch_warnings():
-            warnings.showwarning = _show_warning
+            warnings.showwarning = _show_each_once()
             status = _run(arguments)
             sys.stdout.flush()
             return status
@@ -98,9 +98,16 @@ def _look_here() -> None:
             sys.path.append(here)
 
 
-def _show_warning(message: Warning | str, *_: object) -> None:
-    """A warning as one line, without the place in the code that it came from."""
-    sys.stderr.write(f"hotlap: warning: {message}\n")
+def _show_each_once() -> Callable[..., None]:
+    """Shows a warning as one line, without the place in the code that it came from; the same words are shown once."""
+    said: set[str] = set()
+
+    def show(message: Warning | str, *_: object) -> None:
+        if str(message) not in said:
+            said.add(str(message))
+            sys.stderr.write(f"hotlap: warning: {message}\n")
+
+    return show
 
 
 def _complain(message: str, status: int) -> int:

@@ -42,7 +42,7 @@ class UnknownNameError(InputError):
     """A name that nothing answers to; lists the names that would have worked."""
 
     def __init__(self, kind: str, name: str, available: Iterable[str], source: str = "", key: str = "") -> None:
-        self.kind, self.name, self.available = kind, name, tuple(sorted(available))
+        self.kind, self.name, self.available = kind, name, tuple(sorted(set(available)))
         near = get_close_matches(name, self.available, n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
         super().__init__(source, key, f"there is no {kind} named '{name}'{hint}; available: {', '.join(self.available)}")
