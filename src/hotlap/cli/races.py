@@ -27,7 +27,7 @@ def _row(name: str) -> dict[str, Any]:
     return {
         "name": name,
         "track": race.track.name,
-        "gates": len(race.track.gates),
+        "gates": len(race.track.counted),
         "v_max": race.planning.v_max,
         "vehicle": race.vehicle.name,
         "difficulty": describe_race(race)[-1].value,

@@ -74,12 +74,12 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
     points = np.vstack([track.start, track.waypoints])
     legs = np.diff(points, axis=0)
     lengths = np.linalg.norm(legs, axis=1)
-    names = ["start", *(f"gates[{i}]" for i in range(len(track.gates))), "end"]
+    names = ["start", *(point.key for point in track.route)]
     near = int(lengths.argmin())
     heights = points[:, 2]
     vast = bool(lengths.max() > FAR)
     findings = [
-        Finding("gates", str(len(track.gates)), "and an end beyond the last one" if track.end is not None else "the last one is the end"),
+        Finding("gates", str(len(track.counted)), "and an end beyond the last one" if track.end is not None else "the last one is the end"),
         Finding("length", f"{lengths.sum():.0f} m", "in straight lines; gates are in metres" if vast else "in straight lines", _note(vast)),
         Finding("height", f"{heights.min():.1f} to {heights.max():.1f} m", "" if track.floor is None else f"floor at {track.floor:g} m"),
         Finding("closest points", f"{lengths[near]:.2f} m", f"{names[near]} and {names[near + 1]}", _note(lengths[near] < 1)),
@@ -121,7 +121,7 @@ def describe_race(race: Race, top_speed: float | None = None) -> tuple[Finding, 
     planned, vehicle = race.planning_model, race.vehicle
     about = "" if top_speed is not None else "about "
     return (
-        Finding("track", race.track.name, f"{len(race.track.gates)} gates"),
+        Finding("track", race.track.name, f"{len(race.track.counted)} gates"),
         Finding("vehicle", vehicle.name, f"thrust-to-weight {vehicle.thrust_to_weight:.2f}"),
         Finding("plan", planned.name, f"thrust-to-weight {planned.thrust_to_weight:.2f}, top speed {about}{speed:.0f} m/s"),
         _thrust(race),

@@ -63,7 +63,7 @@ class Problem:
             start=np.array(track.start),
             attitude=np.array(track.attitude),
             waypoints=track.waypoints,
-            gates=len(track.gates),
+            gates=len(track.counted),
             tolerance=settings.tolerance,
             floor=-np.inf if floor is None else floor,
             intervals=settings.nodes,

@@ -21,6 +21,7 @@ from pydantic import Field, field_validator, model_validator
 from hotlap.race.schema import Described, NotNegative, Positive
 
 GRAVITY = 9.81  # m/s^2
+PROPELLERS = 1.5  # radius of a quadrotor over its arm: propellers reach about half an arm further
 
 
 class RotorLayout(StrEnum):
@@ -65,6 +66,8 @@ class Quadrotor(Described):
     """[s] dead time from command to rotors."""
     gravity: Positive = GRAVITY
     """[m/s^2] downward acceleration."""
+    radius: NotNegative | None = None
+    """[m] of the ball that the vehicle fills, propellers included. None: 1.5 times the arm."""
     provenance: str = ""
     """where the numbers come from."""
 
@@ -115,6 +118,11 @@ class Quadrotor(Described):
     def max_acceleration(self) -> float:
         """Largest collective thrust per mass [m/s^2]."""
         return 4 * self.rotor_thrust[1] / self.mass
+
+    @property
+    def outer_radius(self) -> float:
+        """[m] of the ball that the vehicle fills: what it keeps clear of frames and obstacles."""
+        return PROPELLERS * self.arm if self.radius is None else self.radius
 
     @property
     def torque_matrix(self) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Any, ClassVar
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.race.quadrotor import Quadrotor
@@ -26,6 +26,19 @@ class Ramp(Described):
     """[rad/s] roll and pitch rate at the start."""
 
 
+class PlanDynamics(StrEnum):
+    """What the plan knows of the vehicle.
+
+    FULL: everything: rotors and body rates begin at rest, rotor thrust follows its command with the motors' lag, the rate loop's
+        command keeps within bounds, and all of the vehicle's drags act.
+    IDEAL: the model of rpg_time_optimal, which the paper plans with: body rates are free at the start, rotor thrust acts at once, drag is
+        linear and the same in all directions.
+    """
+
+    FULL = "full"
+    IDEAL = "ideal"
+
+
 class PlanningSettings(Described):
     """Settings of the planner: the quadrotor that it plans for, and the limits of the plan."""
 
@@ -36,7 +49,13 @@ class PlanningSettings(Described):
     v_max: float | None = Field(default=None, gt=0, le=200)
     """[m/s] terminal speed of the planner's linear drag at full thrust in level flight. None: the quadrotor's own drag."""
     tolerance: float = Field(default=0.2, gt=0, le=5)
-    """[m] how far from a waypoint the plan may pass."""
+    """[m] how far from a waypoint without an opening the plan may pass."""
+    clearance: NotNegative | None = None
+    """[m] kept between the vehicle and frames, obstacles and box. None: half of the room of a gate, else the vehicle's radius."""
+    dynamics: PlanDynamics = PlanDynamics.FULL
+    """what the plan knows of the vehicle."""
+    rate_share: float = Field(default=0.6, gt=0, le=1)
+    """[-] share of `controller.rates` that the plan's rate commands use, for the dynamics "full"."""
     nodes: int = Field(default=12, ge=4, le=100)
     """shooting intervals between two waypoints."""
     ramp: Ramp | None = None
@@ -164,11 +183,14 @@ class GateRule(StrEnum):
 
     CLOCK: close enough at the time at which the reference passes it (the paper, Eq. 6).
     CLOSEST: close enough at some time in a window around it.
+    OPENING: where the drone crosses the gate's plane, in order and in its direction, it is inside the opening with all of its size; a point
+        without orientation counts as for CLOSEST, in order. The rule of tracks whose gates have openings or orientations.
     RELEASED: the released code's: closest approach over the whole flight, last gate unchecked.
     """
 
     CLOCK = "clock"
     CLOSEST = "closest"
+    OPENING = "opening"
     RELEASED = "released"
 
 
@@ -183,11 +205,11 @@ class JudgeSettings(Described):
     rule: GateRule = GateRule.CLOCK
     """when a gate counts as passed."""
     distance: float = Field(default_factory=_gate_distance, gt=0, le=20)
-    """[m] how close is close enough; default 1.3, 1.2 for the rule "released"."""
+    """[m] how close is close enough, for gates without an opening; default 1.3, 1.2 for the rule "released"."""
     crash: float = Field(default=10.0, gt=0, le=1000)
     """[m] distance from the clocked reference beyond which the drone has crashed."""
     window: tuple[NotNegative, NotNegative] = (1.0, 2.0)
-    """[s] before and after the reference's passage, for the rule "closest"."""
+    """[s] before and after the reference's passage, for the rules "closest" and "opening"."""
     rate_crash: float = Field(default=60.0, gt=0)
     """[rad/s] body rate beyond which the drone has crashed."""
     fly_on: bool = False
@@ -211,10 +233,19 @@ class Race(Described):
     """settings of the controller that are not tuned."""
     noise: NoiseSettings = NoiseSettings()
     """what differs from flight to flight."""
-    judge: JudgeSettings = JudgeSettings()
+    judge: JudgeSettings = Field(default=JudgeSettings(), validate_default=True)
     """how a flight is judged."""
     provenance: str = ""
     """where the settings come from."""
+
+    @field_validator("judge")
+    @classmethod
+    def _by_openings(cls, judge: JudgeSettings, known: ValidationInfo) -> JudgeSettings:
+        """Gates with openings or orientations are judged by them, unless the race says otherwise."""
+        track = known.data.get("track")
+        if track is None or not track.has_openings or "rule" in judge.model_fields_set:
+            return judge
+        return judge.model_copy(update={"rule": GateRule.OPENING})
 
     def with_controller(self, kind: ControllerKind) -> Race:
         """The same race flown by another controller, with the bounds and defaults of its kind."""

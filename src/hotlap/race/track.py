@@ -1,34 +1,39 @@
-"""Track: where to start, which gates to pass in which order, where the plan ends."""
+"""Track: where to start, which gates to pass in which order, what stands in the way, where the plan ends."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
+from hotlap.race.gate import Gate, Opening
+from hotlap.race.obstacles import Box, Pole, Sphere
 from hotlap.race.schema import Described, Vector3
 
+__all__ = ["Gate", "Track", "Waypoint"]
+
 REACH = 1e5  # m: beyond this a coordinate is a mistake of units
+SHORTEST = 0.1  # m: a track below this is a mistake of units
+MOST_LAPS = 50
 
 
-class Gate(Described):
-    """A waypoint that a flight has to pass; waypoints that are no gates are only planned."""
+@dataclass(frozen=True)
+class Waypoint:
+    """A point that a flight goes through, in the order flown.
 
-    position: Vector3
-    """[m] (world) its centre."""
-    yaw: float | None = None
-    """[rad] heading of its normal, for pictures and for worlds that draw gates; the plan does not use it."""
+    Attributes:
+        name: for messages: "gate 3" (of those that count, from 1), "gate 2 of lap 3", "point 4", "the end".
+        key: where the file says it: "gates[2]", "end".
+        gate: with the track's opening, where it has none of its own; a bare point for the end.
+        counts: whether a flight has to pass it.
+    """
 
-    @model_validator(mode="before")
-    @classmethod
-    def _bare_position(cls, gate: Any) -> Any:
-        """A gate may be written as a bare [x, y, z]."""
-        table = {"position": gate} if isinstance(gate, (list, tuple)) else gate
-        if isinstance(table, dict) and isinstance(table.get("position"), list):
-            return {**table, "position": tuple(table["position"])}
-        return table
+    name: str
+    key: str
+    gate: Gate
+    counts: bool
 
 
 class Track(Described):
@@ -37,15 +42,35 @@ class Track(Described):
     name: str = Field(min_length=1)
     """what it is called."""
     start: Vector3
-    """[m] (world) position at rest."""
+    """[m] (world) where a flight starts: at rest, unless start_velocity says otherwise."""
     attitude: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     """(w, x, y, z) body to world at the start, normalised on reading."""
+    start_velocity: Vector3 = (0.0, 0.0, 0.0)
+    """[m/s] (world) at the start, for a flying start."""
     gates: tuple[Gate, ...] = Field(min_length=1)
-    """the waypoints that count, in order."""
+    """what is passed, in order."""
+    opening: Opening | None = None
+    """opening of every gate that has an orientation and no opening of its own. None: there is none."""
+    laps: int = Field(default=1, ge=1, le=MOST_LAPS)
+    """how often the gates are flown."""
+    closed: bool = False
+    """whether the last lap ends at the first gate, which is passed and counted once more."""
     end: Vector3 | None = None
     """[m] (world) where the plan ends; passed like a gate but not counted. None: at the last gate."""
+    end_at_rest: bool = False
+    """whether the plan ends at rest, level; else at any speed."""
     floor: float | None = None
-    """[m] (world) height below which the drone has crashed. None: there is none."""
+    """[m] (world) height below which the drone has crashed, once it has taken off. None: there is none."""
+    ceiling: float | None = None
+    """[m] (world) height above which the drone has crashed. None: there is none."""
+    box: Box | None = None
+    """what the flight must not leave. None: it may go anywhere."""
+    poles: tuple[Pole, ...] = ()
+    """vertical cylinders that must not be touched."""
+    spheres: tuple[Sphere, ...] = ()
+    """balls that must not be touched."""
+    boxes: tuple[Box, ...] = ()
+    """boxes that must not be touched."""
     provenance: str = ""
     """where the numbers come from."""
 
@@ -59,8 +84,7 @@ class Track(Described):
 
     @model_validator(mode="after")
     def _apart(self) -> Track:
-        points = np.vstack([self.start, self.waypoints])
-        names = ["start", *(f"gates[{k}]" for k in range(len(self.gates))), "end"]
+        points, names = np.vstack([self.start, self.waypoints]), ["start", *(point.key for point in self.route)]
         extents = np.abs(points).max(axis=1)
         if extents.max() > REACH:
             raise ValueError(f"{names[int(extents.argmax())]}: a coordinate of {extents.max():.3g} m; coordinates are in metres")
@@ -68,17 +92,66 @@ class Track(Described):
         if gaps.min() < 1e-6:
             i = int(gaps.argmin())
             raise ValueError(f"{names[i + 1]}: the same point as {names[i]}, just before it")
-        if self.floor is not None and points[:, 2].min() < self.floor:
-            lowest = int(points[:, 2].argmin())
-            raise ValueError(f"floor: {self.floor:g} m lies above {names[lowest]} at z = {points[lowest, 2]:g} m")
+        if gaps.sum() < SHORTEST:
+            raise ValueError(f"gates: the whole track is {gaps.sum():.2g} m long; coordinates are in metres, not in degrees")
+        if not any(gate.counts for gate in self.gates):
+            raise ValueError("gates: none of them counts")
+        self._within(points, names)
         return self
+
+    def _within(self, points: NDArray[np.float64], names: list[str]) -> None:
+        """Refuse points below the floor, above the ceiling or outside of the box."""
+        lowest, highest = int(points[:, 2].argmin()), int(points[:, 2].argmax())
+        if self.floor is not None and points[lowest, 2] < self.floor:
+            raise ValueError(f"floor: {self.floor:g} m lies above {names[lowest]} at z = {points[lowest, 2]:g} m")
+        if self.ceiling is not None and points[highest, 2] > self.ceiling:
+            raise ValueError(f"ceiling: {self.ceiling:g} m lies below {names[highest]} at z = {points[highest, 2]:g} m")
+        if self.floor is not None and self.ceiling is not None and self.floor >= self.ceiling:
+            raise ValueError(f"ceiling: {self.ceiling:g} m does not lie above the floor at {self.floor:g} m")
+        if self.box is not None:
+            outside = ((points < self.box.low) | (points > self.box.high)).any(axis=1)
+            if outside.any():
+                raise ValueError(f"box: {names[int(outside.argmax())]} lies outside of it")
+
+    @property
+    def route(self) -> tuple[Waypoint, ...]:
+        """Everything that is planned through, in the order flown: gates of all laps, points that do not count, and the end."""
+        found: list[Waypoint] = []
+        for lap in range(self.laps):
+            of_lap = f" of lap {lap + 1}" if self.laps > 1 else ""
+            counted = 0
+            for k, gate in enumerate(self.gates):
+                counted += gate.counts
+                name = f"gate {counted}" if gate.counts else f"point {k + 1}"
+                found.append(Waypoint(name + of_lap, f"gates[{k}]", self._opened(gate), gate.counts))
+        if self.closed:
+            found.append(replace(found[0], name=f"{found[0].name.removesuffix(' of lap 1')} at the end"))
+        if self.end is not None:
+            found.append(Waypoint("the end", "end", Gate(position=self.end), counts=False))
+        return tuple(found)
+
+    @property
+    def counted(self) -> tuple[Gate, ...]:
+        """The gates that a flight has to pass, in the order flown, those of all laps."""
+        return tuple(point.gate for point in self.route if point.counts)
 
     @property
     def gate_positions(self) -> NDArray[np.float64]:
-        """Shape (gates, 3) [m] (world)."""
-        return np.array([gate.position for gate in self.gates])
+        """Of the gates that a flight has to pass, in the order flown, shape (gates, 3) [m] (world)."""
+        return np.array([gate.position for gate in self.counted])
 
     @property
     def waypoints(self) -> NDArray[np.float64]:
-        """Gates and, where there is one, the end: shape (waypoints, 3) [m] (world)."""
-        return self.gate_positions if self.end is None else np.vstack([self.gate_positions, self.end])
+        """Of everything that is planned through, shape (waypoints, 3) [m] (world)."""
+        return np.array([point.gate.position for point in self.route])
+
+    @property
+    def has_openings(self) -> bool:
+        """Whether a gate that counts has an opening or an orientation, so that more than a distance decides about it."""
+        return any(gate.shaped or gate.oriented for gate in self.counted)
+
+    def _opened(self, gate: Gate) -> Gate:
+        """A gate with the track's opening, where it has an orientation and no opening of its own."""
+        if self.opening is None or gate.shaped or not gate.oriented:
+            return gate
+        return gate.model_copy(update={name: getattr(self.opening, name) for name in self.opening.model_fields_set})

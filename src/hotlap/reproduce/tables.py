@@ -179,7 +179,7 @@ def _speeds(race: Race, plan_settings: PlanSettings | None, result: Mapping[str,
     values = first_guess(scenario) if result is None else np.array(result["parameters"])
     seeds = flight_seeds(0, Stream.DEMONSTRATION, SHOWN, FLOWN)
     flights = built_in_world().fly(scenario, np.repeat(values[None], FLOWN, axis=0), seeds, log=range(FLOWN))
-    whole = [i for i in range(FLOWN) if flights.gates_passed[i] == len(scenario.race.track.gates)]
+    whole = [i for i in range(FLOWN) if flights.gates_passed[i] == len(scenario.race.track.counted)]
     if not whole:
         return ["-", "-", "-", "0 %"]
     speeds = [np.linalg.norm(flights.logs[i].states[flights.logs[i].times <= flights.lap_time[i], 7:10], axis=1) for i in whole]

@@ -53,7 +53,7 @@ def write_film(path: Path, snapshot: Snapshot, world: World, progress: Progress 
     interval = pace / RATES[path.suffix.lower()]
     seed = int(flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, 1)[0])
     flights = film_flights(scenario, world, (*before, best), seed, interval)
-    gates = len(scenario.race.track.gates)
+    gates = len(scenario.race.track.counted)
     title = f"{scenario.race.name}: {gates} gates, planned in {scenario.reference.lap_time:.2f} s"
     slow = f"   at {pace:g} times real speed" if pace > 1 else "   real time"
     titles = Titles(title, slow, tuple(_label(flight.label, snapshot) for flight in flights))
