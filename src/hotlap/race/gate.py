@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator, model_validator
+from pydantic import field_validator, model_validator
 
 from hotlap.race.schema import Described, NotNegative, Positive, Vector3
 
@@ -100,7 +100,7 @@ class Placement(Described):
     position: Vector3
     """[m] (world) its centre."""
     yaw: float | None = None
-    """[rad] heading of its normal, the way in which it is passed. Without it and without pitch and roll: a point that is passed either way."""
+    """[rad] heading of its normal, the way in which it is passed. None: a point, passed either way, unless it has a pitch or roll."""
     pitch: float = 0.0
     """[rad] turns the normal down, after the yaw; pi/2: a gate that lies flat and is passed downwards."""
     roll: float = 0.0
@@ -147,7 +147,7 @@ class Gate(Opening, Placement):
     @model_validator(mode="after")
     def _turned(self) -> Gate:
         needing = {
-            "direction": "direction" in self.model_fields_set and self.direction is not PassingDirection.EITHER,
+            "direction": self.direction is PassingDirection.BACKWARD,
             "side": self.side,
             "width": self.width,
             "corners": self.corners,
