@@ -20,7 +20,7 @@ from hotlap.system.disk_cache import digest_sources, folder
 
 ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
 SCALARS = ("duration", "cpu_time", "period")
-SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
+SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.race.gate_plane", "hotlap.reference.reference")
 MAKE_NO_PLANS = ("hotlap.planning.feasibility", "hotlap.planning.passages", "hotlap.planning.preparation", "hotlap.planning.reference_csv")
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
 
@@ -32,8 +32,15 @@ def key(problem: Problem) -> str:
     description["ramp"] = problem.ramp and problem.ramp.model_dump(mode="json")
     code = digest_sources(*SOURCES, without=MAKE_NO_PLANS)
     versions = [code, version("casadi"), version("numpy"), platform.machine()]
-    text = json.dumps([description, versions], sort_keys=True, default=np.ndarray.tolist)
+    text = json.dumps([description, versions], sort_keys=True, default=_plain)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _plain(value: Any) -> Any:
+    """What JSON cannot say by itself: arrays, and data that consist of fields."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
 
 
 def load(key: str) -> Reference | None:

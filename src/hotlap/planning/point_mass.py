@@ -6,8 +6,9 @@ import dataclasses
 
 import numpy as np
 
+from hotlap.planning.bounds import bound_positions
 from hotlap.planning.ipopt import Limits, Solution, solve
-from hotlap.planning.problem import LONGEST, SHORTEST, Problem, Trajectory
+from hotlap.planning.problem import LONGEST, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
 from hotlap.planning.stage import point_mass_stage
 from hotlap.planning.warm_start import straight_lines
@@ -19,26 +20,30 @@ BARRIER, ITERATIONS = 0.1, 200
 
 def plan_point_mass(problem: Problem) -> Solution:
     """The fastest way for a point mass: states (position, velocity), controls thrust per mass (world)."""
-    problem = dataclasses.replace(problem, intervals=INTERVALS)
+    problem = coarse(problem)
     quadrotor = problem.quadrotor
     durations, positions, velocities = straight_lines(problem)
     hover = np.tile([0.0, 0.0, quadrotor.gravity], (len(positions) - 1, 1))
-    guess = Trajectory(durations, np.hstack([positions, velocities]), hover)
-    shooting = Shooting(point_mass_stage(), problem.phases, INTERVALS, thrust_ball=True)
+    guess = Trajectory(durations, np.hstack([positions, velocities]), hover, problem.counts)
+    shooting = Shooting.of(point_mass_stage(), problem, thrust_ball=True)
     model = np.array([quadrotor.gravity, problem.drag])
     return solve(shooting, problem.waypoints, model, guess, _limits(problem, guess), barrier=BARRIER, iterations=ITERATIONS)
 
 
+def coarse(problem: Problem) -> Problem:
+    """The problem with the point mass's number of intervals."""
+    return dataclasses.replace(problem, intervals=INTERVALS)
+
+
 def _limits(problem: Problem, guess: Trajectory) -> Limits:
-    """Rest at the start, above the floor, thrust within the ball."""
+    """From the start, within floor and walls, thrust within the ball."""
     low, high = np.full(guess.states.shape, -np.inf), np.full(guess.states.shape, np.inf)
-    low[:, 2] = problem.floor
-    low[0] = high[0] = guess.states[0]
+    bound_positions(problem, guess.intervals, low, high)
     thrust = problem.quadrotor.max_acceleration
     box, ones = np.full(guess.controls.shape, thrust), np.ones(problem.phases)
     return Limits(
-        low=Trajectory(SHORTEST * ones, low, -box),
+        low=Trajectory(problem.shortest, low, -box),
         high=Trajectory(LONGEST * ones, high, box),
-        tolerance=problem.tolerance,
+        tolerance=problem.radii,
         thrust=THRUST_SHARE * thrust,
     )
