@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from hotlap.planning.problem import Problem
+from hotlap.race.track import Track
 from hotlap.reference.reference import Reference
 from hotlap.system.disk_cache import digest_sources, folder
 
 ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
 SCALARS = ("duration", "cpu_time", "period")
-SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.race.gate_plane", "hotlap.reference.reference")
+SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.race.gate_plane", "hotlap.race.solids", "hotlap.reference.encounters", "hotlap.reference.reference")
 MAKE_NO_PLANS = ("hotlap.planning.feasibility", "hotlap.planning.passages", "hotlap.planning.preparation", "hotlap.planning.reference_csv")
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
 
@@ -40,6 +41,8 @@ def _plain(value: Any) -> Any:
     """What JSON cannot say by itself: arrays, and data that consist of fields."""
     if isinstance(value, np.ndarray):
         return value.tolist()
+    if isinstance(value, Track):
+        return value.model_dump(mode="json", exclude={"name", "provenance"})
     return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
 
 

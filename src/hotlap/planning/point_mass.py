@@ -8,6 +8,7 @@ import numpy as np
 
 from hotlap.planning.bounds import bound_positions
 from hotlap.planning.ipopt import Limits, Solution, solve
+from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.problem import LONGEST, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
 from hotlap.planning.stage import point_mass_stage
@@ -18,16 +19,26 @@ THRUST_SHARE = 0.99  # of the quadrotor's, so that it can turn as well
 BARRIER, ITERATIONS = 0.1, 200
 
 
-def plan_point_mass(problem: Problem) -> Solution:
-    """The fastest way for a point mass: states (position, velocity), controls thrust per mass (world)."""
+def plan_point_mass(problem: Problem, guess: Trajectory | None = None, rows: LinearRows | None = None) -> Solution:
+    """The fastest way for a point mass: states (position, velocity), controls thrust per mass (world).
+
+    Args:
+        problem: what is planned.
+        guess: where to begin. None: at straight lines, or curves along the normals of gates.
+        rows: what nodes keep to besides the openings.
+    """
     problem = coarse(problem)
-    quadrotor = problem.quadrotor
-    durations, positions, velocities = straight_lines(problem)
-    hover = np.tile([0.0, 0.0, quadrotor.gravity], (len(positions) - 1, 1))
-    guess = Trajectory(durations, np.hstack([positions, velocities]), hover, problem.counts)
-    shooting = Shooting.of(point_mass_stage(), problem, thrust_ball=True)
-    model = np.array([quadrotor.gravity, problem.drag])
+    guess = guess_point_mass(problem) if guess is None else guess
+    shooting = Shooting.of(point_mass_stage(), problem, rows, thrust_ball=True)
+    model = np.array([problem.quadrotor.gravity, problem.drag])
     return solve(shooting, problem.waypoints, model, guess, _limits(problem, guess), barrier=BARRIER, iterations=ITERATIONS)
+
+
+def guess_point_mass(problem: Problem) -> Trajectory:
+    """Straight lines or curves, with the thrust of hover."""
+    durations, positions, velocities = straight_lines(problem)
+    hover = np.tile([0.0, 0.0, problem.quadrotor.gravity], (len(positions) - 1, 1))
+    return Trajectory(durations, np.hstack([positions, velocities]), hover, problem.counts)
 
 
 def coarse(problem: Problem) -> Problem:

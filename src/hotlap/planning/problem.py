@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hotlap.core.errors import PlanningError
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.targets import Target, targets_of
+from hotlap.race.gate_plane import plane_of
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race, Ramp
 from hotlap.race.track import Track
@@ -42,6 +43,7 @@ class Problem:
         radius: [m] of the vehicle.
         clearance: [m] wanted beside it.
         walls: shape (2, 3) [m] (world) least and largest coordinates; infinite where there is no wall.
+        course: the track, where it has more than points: gates with directions or frames, obstacles.
     """
 
     track: str
@@ -59,6 +61,7 @@ class Problem:
     radius: float
     clearance: float
     walls: Floats
+    course: Track | None
 
     @classmethod
     def of(cls, race: Race) -> Problem:
@@ -88,6 +91,7 @@ class Problem:
             radius=race.vehicle.outer_radius,
             clearance=race.vehicle.outer_radius if settings.clearance is None else settings.clearance,
             walls=_walls(track),
+            course=track if any(plane_of(gate, 1.0) for gate in track.gates) or track.poles or track.spheres or track.boxes else None,
         )
 
     @property
