@@ -23,6 +23,7 @@ from hotlap.reference.encounters import find_crossings
 SAMPLES = 24  # of an interval
 REACH = 0.3  # m beyond the margin within which a solid is looked at, and half of an interval's length
 SLACK = 0.02  # m that a path may come nearer than it should
+GIVEN = 0.3  # share of the clearance that a path may come nearer
 EXTRA = 0.005  # m added to what a path came too near
 SLOPE = 0.3  # by which a margin that had to be made smaller grows with the distance from there
 PLUGGED = 0.05  # m kept from an opening that must not be crossed
@@ -49,8 +50,11 @@ class Kept:
     def of(cls, problem: Problem, solid: Solid, margin: float, least: float) -> Kept:
         """A solid on a problem's course."""
         anchors = []
-        for place, smallest in [(problem.start, 0.0), *((target.position, least) for target in problem.targets)]:
+        places = [(problem.start, 0.0, None), *((target.position, least, target.plane) for target in problem.targets)]
+        for place, smallest, own in places:
             distance = max(float(solid.measure(place[None])[0][0]), smallest)
+            if same_place(own, solid.plane):
+                distance = smallest
             if distance < margin:
                 anchors.append((place, distance))
         return cls(solid, margin, least, tuple(anchors))
@@ -66,6 +70,11 @@ class Kept:
     def slack(self) -> float:
         """[m] by which straight ways around it may be nearer."""
         return min(2 * SLACK, 0.4 * self.margin)
+
+    @property
+    def tolerance(self) -> float:
+        """[m] by which a path may be nearer."""
+        return max(SLACK, GIVEN * (self.margin - self.least))
 
 
 @dataclass(frozen=True)
@@ -153,8 +162,7 @@ class Surroundings:
             crossings = find_crossings(path.times, path.points, plane)
             rows = np.clip(np.searchsorted(path.times, crossings.times), 0, len(free) - 1)
             if (~crossings.forward & (crossings.rims < 0) & free[rows]).any():
-                margin = self.problem.margin if plane.solid and plane.frame == 0 else PLUGGED
-                plugs.append(Kept.of(self.problem, plug(name, plane), max(margin, PLUGGED), 0.0))
+                plugs.append(Kept.of(self.problem, plug(name, plane), PLUGGED, 0.0))
         return replace(self, kept=(*self.kept, *plugs))
 
     def faults(self, path: Path) -> list[Fault]:
@@ -162,7 +170,7 @@ class Surroundings:
         found = []
         for k, kept in enumerate(self.kept):
             distances, _, lacks = self._measure(kept, path)
-            for phase in np.unique(path.owners[path.intervals[lacks > SLACK]]).tolist():
+            for phase in np.unique(path.owners[path.intervals[lacks > kept.tolerance]]).tolist():
                 rows = np.flatnonzero(path.owners[path.intervals] == phase)
                 worst = rows[lacks[rows].argmax()]
                 found.append(Fault(k, phase, float(distances[worst]), float(lacks[worst])))
@@ -195,7 +203,11 @@ class Surroundings:
 
     def lacks(self, points: Floats) -> tuple[Floats, np.ndarray]:
         """By how much points (n, 3) are too near to the worst solid [m], and its index: for straight ways around."""
-        each = np.stack([kept.margins(points) - kept.solid.measure(points)[0] - kept.slack for kept in self.kept])
+        each = np.full((len(self.kept), len(points)), -np.inf)
+        for k, kept in enumerate(self.kept):
+            near = kept.solid.near(points, kept.margin)
+            if near.any():
+                each[k, near] = kept.margins(points[near]) - kept.solid.measure(points[near])[0] - kept.slack
         return each.max(axis=0), each.argmax(axis=0)
 
     def beside(self, index: int, heights: Floats) -> Floats:

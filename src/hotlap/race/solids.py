@@ -6,9 +6,11 @@ Distances are signed: negative inside. Each comes with the unit vector that lead
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hotlap.race.gate_plane import Floats, GatePlane, plane_of
 from hotlap.race.obstacles import Box, Pole
@@ -19,6 +21,11 @@ UPRIGHT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # colum
 
 class Body(Protocol):
     """A body in space."""
+
+    @property
+    def ball(self) -> tuple[Floats, float]:
+        """Centre (3,) [m] (world) and radius [m] of a ball that it lies within."""
+        ...
 
     def measure(self, points: Floats) -> tuple[Floats, Floats]:
         """Distances (n,) [m] of points (n, 3) (world), and unit vectors (n, 3) that lead away."""
@@ -31,6 +38,11 @@ class Body(Protocol):
 
 class Section(Protocol):
     """A flat figure, the same on the whole length of a body."""
+
+    @property
+    def size(self) -> float:
+        """[m] largest distance of its points from the axis."""
+        ...
 
     def measure(self, points: Floats) -> tuple[Floats, Floats]:
         """Distances (n,) [m] of points (n, 2), and unit vectors (n, 2) that lead away."""
@@ -52,6 +64,11 @@ class Ball:
 
     centre: Floats
     radius: float
+
+    @property
+    def ball(self) -> tuple[Floats, float]:
+        """As of every body."""
+        return self.centre, self.radius
 
     def measure(self, points: Floats) -> tuple[Floats, Floats]:
         """As of every body."""
@@ -75,6 +92,11 @@ class Ring:
 
     inner: float
     outer: float
+
+    @property
+    def size(self) -> float:
+        """As of every section."""
+        return self.outer
 
     def measure(self, points: Floats) -> tuple[Floats, Floats]:
         """As of every section."""
@@ -100,6 +122,11 @@ class Polygon:
     """
 
     corners: Floats
+
+    @property
+    def size(self) -> float:
+        """As of every section."""
+        return float(np.linalg.norm(self.corners, axis=1).max())
 
     def measure(self, points: Floats) -> tuple[Floats, Floats]:
         """As of every section."""
@@ -143,6 +170,11 @@ class Prism:
     section: Section
     half: float
 
+    @property
+    def ball(self) -> tuple[Floats, float]:
+        """As of every body."""
+        return self.centre, self.half + self.section.size
+
     def measure(self, points: Floats) -> tuple[Floats, Floats]:
         """As of every body."""
         local = (points - self.centre) @ self.rotation
@@ -181,6 +213,19 @@ class Solid:
     name: str
     bodies: tuple[Body, ...]
     plane: GatePlane | None = None
+
+    @cached_property
+    def ball(self) -> tuple[Floats, float]:
+        """Centre (3,) [m] (world) and radius [m] of a ball that it lies within."""
+        if self.plane is None:
+            return self.bodies[0].ball
+        corners = self.plane.outline(self.plane.frame) - self.plane.centre
+        return self.plane.centre, float(np.linalg.norm(corners, axis=1).max()) + self.plane.depth / 2
+
+    def near(self, points: Floats, distance: float) -> NDArray[np.bool_]:
+        """Which of points (n, 3) may be within a distance [m]; quick."""
+        centre, radius = self.ball
+        return ((points - centre) ** 2).sum(axis=1) < (radius + distance) ** 2
 
     def measure(self, points: Floats) -> tuple[Floats, Floats]:
         """Distances (n,) [m] of points (n, 3) (world) from the nearest of its bodies, and unit vectors (n, 3) that lead away."""
