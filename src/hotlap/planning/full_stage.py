@@ -25,16 +25,22 @@ from hotlap.planning.stage import SUBSTEPS, Stage, normalised, runge_kutta, stag
 from hotlap.race.quadrotor import Quadrotor
 
 BODY, ROTORS, COMMANDED = slice(0, 13), slice(13, 17), slice(17, 20)  # of the state
+DRAGS = frozenset({"drag", "rotor_drag", "body_drag"})
 SERIES_ORDER = 14  # of a function of z below 1: to rounding
 SHORTEST_LAG = 1e-4  # s, of motors that answer at once
 
 
 @cache
-def full_stage() -> Stage:
-    """The vehicle with motors and rate loop: parameters are those of `full_parameters`."""
+def full_stage(drags: frozenset[str] = DRAGS) -> Stage:
+    """The vehicle with motors and rate loop: parameters are those of `full_parameters`.
+
+    Args:
+        drags: parts of `AIRFRAME` that are not 0; without the others the derivatives are up to half as long.
+    """
     count = sum(AIRFRAME.values())
     state, control, step, parameters = symbols(20, 4, count + 4)
-    vehicle, lag, gain = parameters[:count], parameters[count], parameters[count + 1 :]
+    used = [name in drags or name not in DRAGS for name, size in AIRFRAME.items() for _ in range(size)]
+    vehicle, lag, gain = ca.SX(used) * parameters[:count], parameters[count], parameters[count + 1 :]
     model, h = airframe(), step / SUBSTEPS
     forcing, kept = _moments(h / lag)
     body, thrusts = state[BODY], state[ROTORS]
@@ -79,6 +85,11 @@ def full_parameters(problem: Problem) -> Floats:
     quadrotor = problem.quadrotor
     lag, gains = max(*quadrotor.motor_time, SHORTEST_LAG), np.array(quadrotor.rate_gain) / (1 + quadrotor.torque_damping)
     return np.concatenate([airframe_parameters(quadrotor), [lag], gains])
+
+
+def full_stage_of(problem: Problem) -> Stage:
+    """The stage with what drags the quadrotor has."""
+    return full_stage(frozenset(name for name in DRAGS if np.any(getattr(problem.quadrotor, name))))
 
 
 def hover_thrust(problem: Problem) -> float:

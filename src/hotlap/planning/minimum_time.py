@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from hotlap.planning.full_stage import BODY, ROTORS, full_parameters, full_stage, limit_start_and_commands, with_rotors
+from hotlap.planning.full_stage import BODY, ROTORS, full_parameters, full_stage_of, limit_start_and_commands, with_rotors
 from hotlap.planning.ipopt import Limits, Solution, solve
 from hotlap.planning.problem import LONGEST, SHORTEST, Floats, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
@@ -19,7 +19,7 @@ SETTLED = 2e-4  # relative change of the duration from one ramp pass to the next
 
 def stage_of(problem: Problem) -> Stage:
     """The stage that a problem is planned with."""
-    return full_stage() if problem.full else quadrotor_stage()
+    return full_stage_of(problem) if problem.full else quadrotor_stage()
 
 
 def model_parameters(problem: Problem) -> Floats:
