@@ -84,7 +84,9 @@ def random_race(seed: int, dynamics: PlanDynamics = PlanDynamics.IDEAL) -> Race:
     )
     vehicle = DRONE.model_copy(update={"radius": radius})
     settings = PlanningSettings(quadrotor=vehicle if dynamics is PlanDynamics.IDEAL else None, dynamics=dynamics)
-    return load_race("circle-34").model_copy(update={"name": track.name, "track": track, "vehicle": vehicle, "model": None, "planning": settings})
+    return load_race("circle-34").model_copy(
+        update={"name": track.name, "track": track, "vehicle": vehicle, "model": None, "planning": settings}
+    )
 
 
 def _walk(count: int, rng: np.random.Generator) -> Floats:

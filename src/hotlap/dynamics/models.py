@@ -1,6 +1,6 @@
 """The equations of motion, once, as CasADi expressions with symbolic physical parameters.
 
-The planner takes `point_mass` and `planning_model` as they are; `flight.compile` turns `node_map`, `linearised_node_map` and
+The planner takes `point_mass`, `planning_model` and `airframe` as they are; `flight.compile` turns `node_map`, `linearised_node_map` and
 `plant_step` into the flight core's code. Change the model here and nowhere else; another model for the controller needs no
 linearisation of its own (`linearisation`, `flight.generic_mpc`).
 Vectors are CasADi columns; conventions are those of `quadrotor.py`.
@@ -13,7 +13,7 @@ from typing import Any
 
 import casadi as ca
 
-from hotlap.dynamics.parameter_layout import AUTOPILOT, DISTURBANCE, MODEL, PLANNING_PARAMETERS, VEHICLE
+from hotlap.dynamics.parameter_layout import AIRFRAME, AUTOPILOT, DISTURBANCE, MODEL, PLANNING_PARAMETERS, VEHICLE
 
 Expression = Any  # casadi.SX; CasADi ships no types
 
@@ -69,7 +69,44 @@ def planning_model() -> ca.Function:
     return ca.Function("planning_model", [state, thrusts, parameters], [derivative])
 
 
+def point_mass_in_air() -> ca.Function:
+    """(state p v, thrust vector per mass, `AIRFRAME`) -> state': with the drags of a vehicle whose body z is the direction of its thrust.
+
+    In the plane of the rotors, where a point mass has no heading, drag is the mean of both axes.
+    """
+    state, thrust, parameters = ca.SX.sym("x", 6), ca.SX.sym("u", 3), ca.SX.sym("c", sum(AIRFRAME.values()))
+    vehicle, velocity = _split(parameters, AIRFRAME), state[3:]
+    size = ca.sqrt(ca.dot(thrust, thrust) + LEAST_PUSH**2)
+    axis = thrust / size
+    along = ca.dot(velocity, axis)
+    across = velocity - along * axis
+    level = (vehicle["drag"][0] + vehicle["drag"][1]) / 2 + 2 * ca.sqrt(vehicle["mass"] * size) * vehicle["rotor_drag"] / vehicle["mass"]
+    broad = (vehicle["body_drag"][0] + vehicle["body_drag"][1]) / 2 * ca.sqrt(ca.dot(across, across) + LEAST_SPEED**2)
+    face = vehicle["body_drag"][2] * ca.sqrt(along**2 + LEAST_SPEED**2)
+    drag = (level + broad / vehicle["mass"]) * across + (vehicle["drag"][2] + face / vehicle["mass"]) * along * axis
+    return ca.Function("point_mass_in_air", [state, thrust, parameters], [ca.vertcat(velocity, thrust - vehicle["gravity"] * E3 - drag)])
+
+
 E3 = ca.DM([0, 0, 1])
+LEAST_PUSH = 0.1  # m/s^2, so that a thrust has a direction in free fall
+LEAST_SPEED = 0.1  # m/s, so that a speed can be differentiated at rest
+LEAST_ROTOR = 1e-3  # share of the weight that a rotor carries in hover, so that the square root of its thrust can be differentiated
+
+
+def airframe() -> ca.Function:
+    """(state p v q w, rotor thrusts, `AIRFRAME`) -> state': rigid body with all drags of the vehicle, as the plant flies it."""
+    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", 4), ca.SX.sym("c", sum(AIRFRAME.values()))
+    vehicle = _split(parameters, AIRFRAME)
+    velocity, attitude, rates = state[3:6], state[6:10], state[10:]
+    rotation, least = rotation_matrix(attitude), LEAST_ROTOR * vehicle["mass"] * vehicle["gravity"] / 4
+    speeds = ca.sum1(ca.sqrt(ca.sqrt(thrusts**2 + least**2)))
+    drag = rotation @ _drag(rotation.T @ velocity, speeds, vehicle)
+    acceleration = thrust_axis(attitude) * (ca.sum1(thrusts) / vehicle["mass"]) - vehicle["gravity"] * E3 - drag
+    turn = angular_acceleration(rates, ca.reshape(vehicle["torques"], 4, 3).T @ thrusts, vehicle["inertia"])
+    derivative = ca.vertcat(velocity, acceleration, quaternion_rate(attitude, rates), turn)
+    return ca.Function("airframe", [state, thrusts, parameters], [derivative])
+
+
 SERIES_ORDER = 3  # of the entire functions below: good to 1e-6 at a rotation of 1 rad a node, to 3e-4 at 2 rad
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hotlap.core.errors import PlanningError
 from hotlap.planning.detours import along, find_way
 from hotlap.planning.guess import guessed_speed
 from hotlap.planning.ipopt import Solution
 from hotlap.planning.linear_rows import LinearRows
-from hotlap.planning.problem import Floats, Problem, Trajectory
+from hotlap.planning.problem import Trajectory
 from hotlap.planning.surroundings import DEEP, Fault, Path, Surroundings
 
 ROUNDS = 6
@@ -19,9 +20,33 @@ ROUNDS = 6
 Solve = Callable[[Trajectory, LinearRows], Solution]
 
 
-def search_clear(
-    surroundings: Surroundings, solve: Solve, guess: Trajectory, *, led: bool = False
-) -> tuple[Solution, Surroundings, list[Fault]]:
+@dataclass(frozen=True)
+class Clear:
+    """What a search ended with.
+
+    Attributes:
+        solution: the last one.
+        surroundings: with what was added on the way.
+        faults: where the solution comes too near.
+    """
+
+    solution: Solution
+    surroundings: Surroundings
+    faults: list[Fault]
+
+    @property
+    def touched(self) -> list[Fault]:
+        """Where the vehicle touches something, or crosses an opening against its direction."""
+        return [fault for fault in self.faults if fault.distance < self.surroundings.kept[fault.kept].least]
+
+    def error(self) -> PlanningError:
+        """The refusal of a plan that touches something."""
+        worst = min(self.touched, key=lambda fault: fault.distance)
+        solid, problem = self.surroundings.kept[worst.kept].solid, self.surroundings.problem
+        return problem.error(worst.phase, f"found only a way {'through' if solid.opening else 'that touches'} {solid.name}")
+
+
+def search_clear(surroundings: Surroundings, solve: Solve, guess: Trajectory, *, led: bool = False) -> Clear:
     """Solve, look where the result comes too near, keep it away from there, and solve again.
 
     Args:
@@ -29,15 +54,12 @@ def search_clear(
         solve: takes a guess and rows.
         guess: where to begin.
         led: whether the guess itself keeps clear, so that rows can be made around it.
-
-    Returns:
-        The last solution, the surroundings with what was added, and the faults that are left.
     """
     rows = surroundings.rows(Path.of(guess)) if led else LinearRows.none()
+    solution, faults = solve(guess, rows), list[Fault]()
     for _ in range(ROUNDS):
-        solution = solve(guess, rows)
         if not solution.converged:
-            return solution, surroundings, []
+            return Clear(solution, surroundings, [])
         path = Path.of(solution.trajectory)
         surroundings = surroundings.with_plugs(path)
         faults = surroundings.faults(path)
@@ -45,8 +67,8 @@ def search_clear(
             break
         guess = led_around(surroundings, solution.trajectory, faults)
         surroundings = surroundings.with_extra([fault for fault in faults if not _deep(surroundings, fault)])
-        rows = surroundings.rows(Path.of(guess))
-    return solution, surroundings, faults
+        solution = solve(guess, surroundings.rows(Path.of(guess)))
+    return Clear(solution, surroundings, faults)
 
 
 def _deep(surroundings: Surroundings, fault: Fault) -> bool:

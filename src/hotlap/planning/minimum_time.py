@@ -7,11 +7,12 @@ import dataclasses
 import numpy as np
 
 from hotlap.planning.bounds import bound_positions
+from hotlap.planning.full_stage import BODY, ROTORS, full_parameters, full_stage_of, hover_thrust, limit_start_and_commands, with_rotors
 from hotlap.planning.ipopt import Limits, Solution, solve
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.problem import LONGEST, Floats, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
-from hotlap.planning.stage import ATTITUDE, quadrotor_stage
+from hotlap.planning.stage import ATTITUDE, Stage, quadrotor_stage
 
 RATES = slice(10, 13)  # of the full state
 LEVEL = [7, 8, 10, 11, 12]  # of the full state: zero where it is level and turns no more
@@ -19,14 +20,26 @@ RAMP_PASSES = 4
 SETTLED = 2e-4  # relative change of the duration from one ramp pass to the next
 
 
+def stage_of(problem: Problem) -> Stage:
+    """The stage that a problem is planned with."""
+    return full_stage_of(problem) if problem.full else quadrotor_stage()
+
+
 def model_parameters(problem: Problem) -> Floats:
-    """Parameters of `planning_model`."""
+    """Parameters of the stage that a problem is planned with."""
+    if problem.full:
+        return full_parameters(problem)
     quadrotor = problem.quadrotor
     return np.concatenate([
         [quadrotor.mass, quadrotor.gravity, problem.drag],
         quadrotor.inertia_vector,
         quadrotor.torque_matrix.ravel(),
     ])  # fmt: skip
+
+
+def rotor_thrusts(problem: Problem, states: Floats, controls: Floats) -> Floats:
+    """Thrusts [N] of the rotors where states and controls are given: the controls, unless the motors lag."""
+    return states[:, ROTORS] if problem.full else controls
 
 
 def plan_quadrotor(problem: Problem, guess: Trajectory, *, barrier: float, iterations: int, rows: LinearRows | None = None) -> Solution:
@@ -39,7 +52,7 @@ def plan_quadrotor(problem: Problem, guess: Trajectory, *, barrier: float, itera
         iterations: likewise.
         rows: what nodes keep to besides the openings.
     """
-    shooting = Shooting.of(quadrotor_stage(), problem, rows)
+    shooting = Shooting.of(stage_of(problem), problem, rows)
     model = model_parameters(problem)
     passes = 0
     while True:
@@ -72,19 +85,25 @@ def _limited(problem: Problem, guess: Trajectory) -> tuple[Trajectory, Limits]:
     """The guess from the start's state and within the limits, and the limits."""
     quadrotor = problem.quadrotor
     thrust, rates = ramped_limits(problem, guess)
+    if problem.full and guess.states.shape[1] == BODY.stop:
+        guess = with_rotors(problem, guess)
     low, high = np.full(guess.states.shape, -np.inf), np.full(guess.states.shape, np.inf)
     low[:, ATTITUDE], high[:, ATTITUDE] = -1.01, 1.01
     high[:, RATES] = np.hstack([rates, np.full((len(rates), 1), quadrotor.rate_limit[2])])
     low[:, RATES] = -high[:, RATES]
-    start = np.concatenate([problem.start, problem.start_velocity, problem.attitude])  # the first rates are free
-    low[0, ATTITUDE] = high[0, ATTITUDE] = problem.attitude
+    low[0, ATTITUDE] = high[0, ATTITUDE] = problem.attitude  # the first rates are free
     bound_positions(problem, guess.intervals, low, high)
     if problem.end_at_rest:
         low[-1, LEVEL], high[-1, LEVEL] = 0.0, 0.0
+    if problem.full:
+        limit_start_and_commands(problem, low, high)
+    if problem.full and problem.end_at_rest:
+        low[-1, ROTORS] = high[-1, ROTORS] = hover_thrust(problem)
     least, largest = np.full(guess.controls.shape, quadrotor.rotor_thrust[0]), np.repeat(thrust[:, None], 4, axis=1)
     margin = 0.01 * (largest - least)
     states = guess.states.copy()
-    states[0, : len(start)] = start
+    fixed = low[0] == high[0]
+    states[0, fixed] = low[0, fixed]
     guess = dataclasses.replace(guess, states=states, controls=np.clip(guess.controls, least + margin, largest - margin))
     ones = np.ones(problem.phases)
     return guess, Limits(Trajectory(problem.shortest, low, least), Trajectory(LONGEST * ones, high, largest), problem.radii)

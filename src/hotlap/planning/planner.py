@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 
 from hotlap.core.errors import PlanningError
-from hotlap.planning.clear_search import search_clear
+from hotlap.planning.clear_search import Clear, search_clear
 from hotlap.planning.diagnosis import describe, refuse_coarse, refuse_impossible
 from hotlap.planning.ipopt import Solution
+from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.minimum_time import plan_quadrotor
 from hotlap.planning.point_mass import coarse, guess_point_mass, plan_point_mass
 from hotlap.planning.problem import Problem, Trajectory
@@ -35,55 +36,79 @@ def find_plan(problem: Problem) -> Trajectory:
 
 
 def _search(problem: Problem) -> Solution:
-    """From the point-mass plan; where that fails or is suspiciously slow, once more from straight lines.
+    """From the point-mass plan; where that fails or is suspiciously slow, once more from straight lines, upright and turned over.
 
-    Slow means caught in a detour. A sluggish quadrotor is slow from wherever it starts: there two plans that agree are taken.
+    Slow means caught in a detour, or upright on the way down. A sluggish quadrotor is slow from wherever it starts: there two plans that
+    agree are taken. Without a plan of the point mass nothing tells what is slow: the best of all is taken.
     """
     mass = plan_point_mass(problem)
-    first = plan_quadrotor(problem, around_point_mass(problem, mass.trajectory), barrier=0.01, iterations=300)
-    if _accepted(first, mass):
-        return first
-    second = plan_quadrotor(problem, hover_along(problem), barrier=0.1, iterations=500)
-    if _accepted(second, mass):
-        return second
-    if first.converged and second.converged and abs(first.trajectory.duration / second.trajectory.duration - 1) < AGREEMENT:
-        return min(first, second, key=lambda solution: solution.trajectory.duration)
-    raise _failure(problem, mass, first, second)
+    found: list[Solution] = []
+    for guess, barrier, iterations in _guesses(problem, mass):
+        found.append(plan_quadrotor(problem, guess, barrier=barrier, iterations=iterations))
+        if mass.converged and _accepted(found[-1], mass):
+            return found[-1]
+        if mass.converged and _confirmed(found):
+            return _fastest(found)
+    if not mass.converged and any(solution.converged for solution in found):
+        return _fastest(found)
+    raise _failure(problem, mass, found)
+
+
+def _guesses(problem: Problem, mass: Solution) -> Iterator[tuple[Trajectory, float, int]]:
+    """Where to search from, with the first barrier and the number of iterations."""
+    yield around_point_mass(problem, mass.trajectory), 0.01, 300
+    yield hover_along(problem), 0.1, 500
+    yield hover_along(problem, inverted=True), 0.1, 500
+
+
+def _confirmed(found: list[Solution]) -> bool:
+    """Whether the last plan agrees with one before it."""
+    last = found[-1]
+    others = [solution.trajectory.duration for solution in found[:-1] if solution.converged]
+    return last.converged and any(abs(duration / last.trajectory.duration - 1) < AGREEMENT for duration in others)
+
+
+def _fastest(found: list[Solution]) -> Solution:
+    """The shortest plan of those that converged."""
+    return min((solution for solution in found if solution.converged), key=lambda solution: solution.trajectory.duration)
 
 
 def _search_course(problem: Problem) -> Solution:
-    """From the point-mass plan that keeps clear of everything, once more from curves where that fails."""
+    """As `_search`, every time until the plan keeps clear of obstacles, frames, and openings that are not to be crossed."""
     surroundings = Surroundings.of(problem)
     surroundings.refuse_blocked()
-    mass, surroundings, _ = search_clear(surroundings, partial(plan_point_mass, problem), guess_point_mass(coarse(problem)))
-    found = []
-    surroundings = replace(surroundings, extra={})
-    for guess, barrier in ((around_point_mass(problem, mass.trajectory), 0.01), (hover_along(problem), 0.1)):
-        def solve(guess, rows):
-            return plan_quadrotor(problem, guess, barrier=barrier, iterations=300, rows=rows)
-        solution, around, faults = search_clear(surroundings, solve, guess, led=barrier == 0.01)
-        touched = [fault for fault in faults if fault.distance < around.kept[fault.kept].least]
-        if _accepted(solution, mass) and not touched:
-            return solution
-        found.append((solution, around, touched))
-    solution, around, touched = next((f for f in found if f[0].converged), found[0])
-    if touched:
-        fault = min(touched, key=lambda f: f.distance)
-        raise problem.error(fault.phase, f"found only a way that touches {around.kept[fault.kept].solid.name}")
-    raise _failure(problem, mass, *[f[0] for f in found])
+    rough = search_clear(surroundings, partial(plan_point_mass, problem), guess_point_mass(coarse(problem)))
+    mass, found, touching = rough.solution, list[Solution](), list[Clear]()
+    for guess, barrier, iterations in _guesses(problem, mass):
+        solve = partial(_solve, problem, barrier=barrier, iterations=iterations)
+        result = search_clear(rough.surroundings.without_extra(), solve, guess, led=not found and not touching)
+        if result.touched:
+            touching.append(result)
+            continue
+        found.append(result.solution)
+        if mass.converged and (_accepted(found[-1], mass) or _confirmed(found)):
+            return _fastest(found)
+    if not mass.converged and any(solution.converged for solution in found):
+        return _fastest(found)
+    if touching and not any(solution.converged for solution in found):
+        raise touching[0].error()
+    raise _failure(problem, mass, found)
+
+
+def _solve(problem: Problem, guess: Trajectory, rows: LinearRows, *, barrier: float, iterations: int) -> Solution:
+    return plan_quadrotor(problem, guess, barrier=barrier, iterations=iterations, rows=rows)
 
 
 def _accepted(solution: Solution, mass: Solution) -> bool:
-    """Converged, and not much slower than the point mass (where that has a plan)."""
-    return solution.converged and (not mass.converged or solution.trajectory.duration < SLOWER * mass.trajectory.duration + LATER)
+    """Converged, and not much slower than the point mass."""
+    return solution.converged and solution.trajectory.duration < SLOWER * mass.trajectory.duration + LATER
 
 
-def _failure(problem: Problem, mass: Solution, first: Solution, second: Solution) -> PlanningError:
+def _failure(problem: Problem, mass: Solution, found: list[Solution]) -> PlanningError:
     """The error for a search without result: the point mass shows best what is impossible for any drone."""
-    failed = next((solution for solution in (mass, second, first) if not solution.converged), None)
-    if failed is not None and not any(solution.converged for solution in (first, second)):
-        return describe(problem, failed)
-    best = min((solution for solution in (first, second) if solution.converged), key=lambda solution: solution.trajectory.duration)
+    if not any(solution.converged for solution in found):
+        return describe(problem, next(solution for solution in (mass, *reversed(found)) if not solution.converged))
+    best = _fastest(found)
     phase = int(np.argmax(best.trajectory.durations - mass.trajectory.durations))
-    found, wanted = best.trajectory.durations[phase], mass.trajectory.durations[phase]
-    return problem.error(phase, f"found only a detour of {found:.2f} s, where a point mass takes {wanted:.2f} s")
+    took, wanted = best.trajectory.durations[phase], mass.trajectory.durations[phase]
+    return problem.error(phase, f"found only a detour of {took:.2f} s, where a point mass takes {wanted:.2f} s")

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from hotlap.core.errors import PlanningError
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.targets import Target, targets_of
+from hotlap.race.flight_performance import top_speed
 from hotlap.race.gate_plane import plane_of
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.race import Race, Ramp
+from hotlap.race.race import PlanDynamics, Race, Ramp
 from hotlap.race.track import Track
 
 Floats = NDArray[np.float64]
@@ -44,6 +45,8 @@ class Problem:
         clearance: [m] wanted beside it.
         walls: shape (2, 3) [m] (world) least and largest coordinates; infinite where there is no wall.
         course: the track, where it has more than points: gates with directions or frames, obstacles.
+        dynamics: what the plan knows of the quadrotor; with "full" the quadrotor's own drags, motors and rate loop count.
+        command_rates: shape (3,) [rad/s] largest rates that the rate loop is asked for, with "full".
     """
 
     track: str
@@ -62,6 +65,8 @@ class Problem:
     clearance: float
     walls: Floats
     course: Track | None
+    dynamics: PlanDynamics
+    command_rates: Floats
 
     @classmethod
     def of(cls, race: Race) -> Problem:
@@ -83,7 +88,7 @@ class Problem:
             tolerance=settings.tolerance,
             floor=-np.inf if floor is None else floor,
             intervals=settings.nodes,
-            quadrotor=race.planning_model,
+            quadrotor=_planned(race),
             drag=race.planning_drag,
             ramp=settings.ramp,
             start_velocity=np.array(track.start_velocity),
@@ -92,7 +97,14 @@ class Problem:
             clearance=race.vehicle.outer_radius if settings.clearance is None else settings.clearance,
             walls=_walls(track),
             course=track if any(plane_of(gate, 1.0) for gate in track.gates) or track.poles or track.spheres or track.boxes else None,
+            dynamics=settings.dynamics,
+            command_rates=settings.rate_share * np.array(race.controller.rates),
         )
+
+    @property
+    def full(self) -> bool:
+        """Whether motors, rate loop and all drags are planned with."""
+        return self.dynamics is PlanDynamics.FULL
 
     @property
     def phases(self) -> int:
@@ -163,6 +175,11 @@ class Problem:
         """[s] least duration of each phase, shape (M,)."""
         return np.array([BRIEFEST if target.inside else SHORTEST for target in self.targets])
 
+    @property
+    def top_speed(self) -> float:
+        """[m/s] in level flight with all drags of the quadrotor; infinite where there are none."""
+        return top_speed(self.quadrotor)
+
     def error(self, phase: int, reason: str) -> PlanningError:
         """The failure of one phase: names its gate, point, or the end."""
         return PlanningError(self.track, self.targets[phase].waypoint, reason)
@@ -176,6 +193,14 @@ def _walls(track: Track) -> Floats:
     if track.ceiling is not None:
         walls[1, 2] = min(walls[1, 2], track.ceiling)
     return walls
+
+
+def _planned(race: Race) -> Quadrotor:
+    """The planning model; the drag that `planning.v_max` gives stands in place of its linear one."""
+    quadrotor, settings = race.planning_model, race.planning
+    if settings.v_max is None or settings.dynamics is not PlanDynamics.FULL:
+        return quadrotor
+    return quadrotor.model_copy(update={"drag": (race.planning_drag,) * 3})
 
 
 @dataclass(frozen=True)

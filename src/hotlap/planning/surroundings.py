@@ -183,6 +183,10 @@ class Surroundings:
             extra[fault.kept, fault.phase] = extra.get((fault.kept, fault.phase), 0.0) + fault.lack + EXTRA
         return replace(self, extra=extra)
 
+    def without_extra(self) -> Surroundings:
+        """The same, with the margins of the beginning."""
+        return replace(self, extra={})
+
     def rows(self, path: Path) -> LinearRows:
         """Rows that keep the nodes of a plan on the outer side of what is near to a path with the same intervals."""
         parts = []
@@ -227,14 +231,14 @@ class Surroundings:
         """
         problem = self.problem
         places = [(None, "the start", problem.start, 0.0)]
-        places += [
-            (target.waypoint, "its middle", target.position, target.radius) for target in problem.targets if target.plane is None
-        ]
+        places += [(target.waypoint, "its middle", target.position, target.radius) for target in problem.targets if target.plane is None]
         for kept in self.kept:
             for where, what, place, freedom in places:
                 distance = float(kept.solid.measure(place[None])[0][0])
                 if distance + freedom < kept.least:
-                    reason = f"{what} is {max(distance, 0):.3g} m from {kept.solid.name}, and the vehicle needs its radius of {kept.least:.3g} m"
+                    reason = (
+                        f"{what} is {max(distance, 0):.3g} m from {kept.solid.name}, and the vehicle needs its radius of {kept.least:.3g} m"
+                    )
                     raise PlanningError(problem.track, where, reason)
 
     def _measure(self, kept: Kept, path: Path) -> tuple[Floats, Floats, Floats]:

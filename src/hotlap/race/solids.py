@@ -208,11 +208,13 @@ class Solid:
         name: for messages: "pole 1", "the frame of gate 4".
         bodies: what it consists of.
         plane: of the gate whose frame or opening it is; None for an obstacle.
+        opening: whether it is an opening that is not to be crossed, and not a frame.
     """
 
     name: str
     bodies: tuple[Body, ...]
     plane: GatePlane | None = None
+    opening: bool = False
 
     @cached_property
     def ball(self) -> tuple[Floats, float]:
@@ -283,7 +285,7 @@ def same_place(one: GatePlane | None, other: GatePlane | None) -> bool:
 def plug(name: str, plane: GatePlane) -> Solid:
     """The opening of a gate, closed."""
     section = Polygon(plane.corners) if len(plane.corners) else Ring(0.0, plane.radius)
-    return Solid(name, (Prism(plane.centre, plane.rotation, section, plane.depth / 2),), plane)
+    return Solid(name, (Prism(plane.centre, plane.rotation, section, plane.depth / 2),), plane, opening=True)
 
 
 def _pole(pole: Pole) -> Prism:
