@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from hotlap.core.errors import PlanningError
 from hotlap.files.descriptions import load_race
@@ -224,7 +224,7 @@ def _fits(gate: Gate, places: Floats, size: float) -> NDArray[np.bool_]:
     with np.errstate(divide="ignore", invalid="ignore"):
         ahead = one[0] + (y - one[1]) / (other[1] - one[1]) * (other[0] - one[0]) > x
     inside = (across & ahead).sum(axis=1) % 2 == 1
-    return inside & (cKDTree(_outline(gate)).query(places)[0] >= size)
+    return inside & (KDTree(_outline(gate)).query(places)[0] >= size)
 
 
 def _frame_touched(gate: Gate, points: Floats, radius: float) -> bool:
@@ -238,11 +238,11 @@ def _frame_touched(gate: Gate, points: Floats, radius: float) -> bool:
         return False
     ticks = np.arange(-reach, reach + CLOUD, CLOUD)
     grid = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
-    distances = cKDTree(_outline(gate)).query(grid)[0]
+    distances = KDTree(_outline(gate)).query(grid)[0]
     ring = grid[~_fits(gate, grid, 0.0) & (distances <= gate.frame)]
     layers = np.arange(-gate.depth / 2, gate.depth / 2 + CLOUD / 2, CLOUD)
     cloud = np.vstack([np.array(gate.position) + x * normal + ring[:, :1] * left + ring[:, 1:] * up for x in layers])
-    return bool(cKDTree(cloud).query(near)[0].min() < radius - NEAR)
+    return bool(KDTree(cloud).query(near)[0].min() < radius - NEAR)
 
 
 def _touched(track: Track, points: Floats, radius: float) -> list[str]:
