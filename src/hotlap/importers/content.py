@@ -43,7 +43,8 @@ class Content:
 
     def maybe(self, name: str) -> Content | None:
         """A key of a table, None where it is missing."""
-        return self[name] if name in self else None
+        present = name in self
+        return self[name] if present else None
 
     def fault(self, reason: str) -> InputError:
         """The error that says what is wrong here."""

@@ -60,11 +60,7 @@ class Imported:
         head = [f"A {self.kind} made by hotlap import from {self.source}: {self.format}."]
         for title, remarks in (("Taken as:", self.taken), ("Not carried over:", self.lost)):
             head += [title, *(f"  {remark}" for remark in remarks)] if remarks else []
-        lines = [
-            f"# {part}"
-            for line in head
-            for part in textwrap.wrap(printable(line), WIDTH - 2, subsequent_indent="    ", drop_whitespace=False)
-        ]
+        lines = [f"# {part}" for line in head for part in _wrapped(printable(line))]
         return "\n".join([*lines, *(_entry(key, value) for key, value in self.table.items())]) + "\n"
 
 
@@ -118,6 +114,13 @@ def rounded(value: Any) -> Any:
     if isinstance(value, Sequence):
         return [rounded(item) for item in value]
     return float(f"{float(value):.{DIGITS}g}")
+
+
+def _wrapped(line: str) -> list[str]:
+    """A line of a comment, broken where it is too long."""
+    indent = " " * (len(line) - len(line.lstrip()))
+    long = len(line) > WIDTH - 2
+    return textwrap.wrap(line.lstrip(), WIDTH - 2, initial_indent=indent, subsequent_indent=indent + "  ") if long else [line]
 
 
 def _entry(key: str, value: Any) -> str:
