@@ -10,7 +10,8 @@ from pathlib import Path
 from hotlap.api.importing import import_file
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import present
-from hotlap.importers.imported import Imported, printable
+from hotlap.importers.content import printable
+from hotlap.importers.imported import Imported
 
 
 def run(options: Namespace) -> int:

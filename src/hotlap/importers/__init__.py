@@ -19,7 +19,7 @@ from hotlap.files.kinds import Kind
 from hotlap.importers import agilicious, drone_models, fast_fly, lsy_drone_racing, mrs, rpg_time_optimal, sdf, togt, urdf
 from hotlap.importers.content import Content
 from hotlap.importers.documents import read_document
-from hotlap.importers.imported import Format, Imported, rounded
+from hotlap.importers.imported import Findings, Format, Imported, rounded
 from hotlap.importers.markup import Markup
 
 FORMATS: tuple[Format, ...] = (
@@ -49,7 +49,11 @@ def read(path: str | Path, name: str | None = None) -> Imported:
     root = read_document(Path(path))
     source = Markup(str(path), root) if isinstance(root, Element) else Content(str(path), root)
     format_ = _format_of(source)
-    found = format_.read(source, name)
+    try:
+        found = format_.read(source, name)
+    except RecursionError:
+        raise InputError(str(path), "", "is nested too deeply") from None
+    _end_at_the_last_gate(found)
     named = {"name": found.table.get("name") or Path(path).stem, "provenance": f"{Path(path).name}, {format_.name}"}
     whole = rounded({**found.table, **named})
     table = {key: whole[key] for key in TYPES[format_.kind].model_fields if key in whole}
@@ -57,6 +61,15 @@ def read(path: str | Path, name: str | None = None) -> Imported:
     imported = Imported(str(path), format_.name, format_.kind, table, tuple(found.taken), tuple(lost))
     imported.description  # noqa: B018  it is checked
     return imported
+
+
+def _end_at_the_last_gate(found: Findings) -> None:
+    """Leave out an end that is the last gate's own place."""
+    last = (found.table.get("gates") or [None])[-1]
+    place = last["position"] if isinstance(last, dict) else last
+    if place is not None and found.table.get("end") == place:
+        del found.table["end"]
+        found.taken.append("the end is the last gate's place: the plan ends there")
 
 
 def _defaults(table: Mapping[str, Any]) -> list[str]:
@@ -68,11 +81,11 @@ def _defaults(table: Mapping[str, Any]) -> list[str]:
 
 def _format_of(source: Content | Markup) -> Format:
     """What a file is."""
+    if isinstance(source, Content) and any(keys <= set(source.table()) for keys in OURS):
+        raise InputError(source.file, "", f"is a file of hotlap itself: hotlap check {source.file}")
     for format_ in FORMATS:
         if format_.xml == isinstance(source, Markup) and format_.matches(source):
             return format_
-    if isinstance(source, Content) and any(keys <= set(source.table()) for keys in OURS):
-        raise InputError(source.file, "", f"is a file of hotlap itself: hotlap check {source.file}")
     raise InputError(source.file, "", f"is none of what can be read: {'; '.join(format_.name for format_ in FORMATS)}")
 
 

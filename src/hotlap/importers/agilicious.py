@@ -14,7 +14,7 @@ CUBE = np.array([2.25, 2.25, 4.0]) / 12  # inertia over mass and arm^2 where the
 
 
 def _matches(content: Content) -> bool:
-    return content.has("mass", "kappa") and any(key in content for key in ("arm_length", "t_BM", *POSITIONS))
+    return any(key in content for key in ("kappa", "t_BM", "thrust_map", *POSITIONS))
 
 
 def _read(content: Content, name: str | None) -> Findings:

@@ -38,7 +38,7 @@ class Content:
         """
         table, key = self.table(), f"{self.key}.{name}" if self.key else name
         if table.get(name) is None:
-            raise InputError(self.file, key, "is missing")
+            raise InputError(self.file, printable(key), "is missing")
         return Content(self.file, table[name], key)
 
     def maybe(self, name: str) -> Content | None:
@@ -48,7 +48,7 @@ class Content:
 
     def fault(self, reason: str) -> InputError:
         """The error that says what is wrong here."""
-        return InputError(self.file, self.key, reason)
+        return InputError(self.file, printable(self.key), printable(reason))
 
     def has(self, *names: str) -> bool:
         """Whether this is a table with all these keys."""
@@ -141,3 +141,8 @@ class Content:
                 raise self.fault(f"must have 3 rows, not {len(rows)}")
             return [row.vector()[i] for i, row in enumerate(rows)]
         return self.vector()
+
+
+def printable(text: str) -> str:
+    """A text on one line, whatever the file has put into it."""
+    return "".join(character if character.isprintable() else repr(character)[1:-1] for character in text)

@@ -26,7 +26,7 @@ def _read_track(content: Content, name: str | None) -> Findings:
 
 
 def _is_quadrotor(content: Content) -> bool:
-    return content.has("mass", "arm_length", "torque_coeff", "omega_xy_max")
+    return "omega_xy_max" in content
 
 
 def _read_quadrotor(content: Content, name: str | None) -> Findings:

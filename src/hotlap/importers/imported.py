@@ -6,13 +6,12 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
-from xml.etree.ElementTree import Element
 
 from hotlap.files.descriptions import TYPES
 from hotlap.files.error_messages import check
 from hotlap.files.kinds import Kind
 from hotlap.files.toml_writer import write_value
-from hotlap.importers.content import Content
+from hotlap.importers.content import printable
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.track import Track
 
@@ -95,14 +94,6 @@ class Findings:
     table: dict[str, Any] = field(default_factory=dict)
     taken: list[str] = field(default_factory=list)
     lost: list[str] = field(default_factory=list)
-
-
-Source = Content | Element
-
-
-def printable(text: str) -> str:
-    """A text on one line, whatever the file has put into it."""
-    return "".join(character if character.isprintable() else repr(character)[1:-1] for character in text)
 
 
 def rounded(value: Any) -> Any:

@@ -15,7 +15,7 @@ BELOW_GROUND = -1.0  # m: the box reaches below the floor, which has a rule of i
 
 
 def _is_level_file(content: Content) -> bool:
-    return "env" in content and "track" in content["env"] and "gates" in content["env"]["track"]
+    return "env" in content and "track" in content["env"]
 
 
 def _read(content: Content, name: str | None) -> Findings:

@@ -15,7 +15,7 @@ from hotlap.importers.rotors import count_rotors, fill_radius, place_rotors, squ
 
 def _vehicles(content: Content) -> dict[str, Content]:
     """The vehicles of a file by name."""
-    return {name: content[name] for name in content.table() if name in content and content[name].has("n_motors", "propulsion")}
+    return {name: content[name] for name in content.table() if name in content and content[name].has("n_motors")}
 
 
 def _matches(content: Content) -> bool:

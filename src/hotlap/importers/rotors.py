@@ -95,7 +95,7 @@ def squared(found: Findings, factor: float, speeds: Sequence[float], words: str)
     found.taken.append(f"largest rotor_thrust = {words} = {largest:.4g} N")
 
 
-def from_weights(found: Findings, shares: Sequence[float], words: str) -> None:
-    """Set rotor_thrust from thrust-to-weight ratios, least and largest, of the whole vehicle."""
-    found.table["rotor_thrust"] = [share * found.table["mass"] * GRAVITY / ROTORS for share in shares]
+def from_weight(found: Findings, ratio: float, words: str) -> None:
+    """Set rotor_thrust from the largest thrust over the weight, of the whole vehicle."""
+    found.table["rotor_thrust"] = [0.0, ratio * found.table["mass"] * GRAVITY / ROTORS]
     found.taken.append(f"{words} is the ratio of thrust to weight: a rotor's share is a quarter, with g = {GRAVITY} m/s^2")

@@ -5,16 +5,13 @@ from __future__ import annotations
 from hotlap.files.kinds import Kind
 from hotlap.importers.content import Content
 from hotlap.importers.imported import Findings, Format
-from hotlap.importers.rotors import from_lever, from_weights
+from hotlap.importers.rotors import ROTORS, from_lever
 from hotlap.importers.turning import is_level
+from hotlap.race.quadrotor import GRAVITY
 
 
 def _is_track(content: Content) -> bool:
-    return (
-        "gates" in content
-        and isinstance(content["gates"].value, list)
-        and any(key in content for key in ("initial", "position", "end", "ring"))
-    )
+    return "gates" in content and isinstance(content["gates"].value, list)
 
 
 def _read_track(content: Content, name: str | None) -> Findings:
@@ -59,7 +56,7 @@ def _finish(found: Findings, end: Content) -> None:
 
 
 def _is_quadrotor(content: Content) -> bool:
-    return content.has("mass", "arm_length", "torque_coeff", "omega_max_xy")
+    return any(key in content for key in ("omega_max_xy", "TWR_max"))
 
 
 def _read_quadrotor(content: Content, name: str | None) -> Findings:
@@ -81,13 +78,14 @@ def _read_quadrotor(content: Content, name: str | None) -> Findings:
 
 
 def _thrust(found: Findings, content: Content) -> None:
-    """Thrust in newtons, or as ratio to the weight."""
-    if "TWR_max" in content:
-        least = content["TWR_min"].number() if "TWR_min" in content else 0.0
-        from_weights(found, [least, content["TWR_max"].positive()], "TWR")
-    else:
-        least = content["thrust_min"].number() if "thrust_min" in content else 0.0
-        found.table["rotor_thrust"] = [least, content["thrust_max"].positive()]
+    """Each limit in newtons, or as a ratio to the weight, which precedes."""
+    ratios = ("TWR_min" in content, "TWR_max" in content)
+    values = [content["TWR_min" if ratios[0] else "thrust_min"].number() if ratios[0] or "thrust_min" in content else 0.0]
+    values += [content["TWR_max" if ratios[1] else "thrust_max"].positive()]
+    weight = found.table["mass"] * GRAVITY / ROTORS
+    found.table["rotor_thrust"] = [value * weight if ratio else value for value, ratio in zip(values, ratios, strict=True)]
+    if any(ratios):
+        found.taken.append(f"TWR is the ratio of thrust to weight: a rotor's share is a quarter, with g = {GRAVITY} m/s^2")
 
 
 def _ramp(content: Content) -> str:

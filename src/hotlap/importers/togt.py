@@ -21,7 +21,7 @@ SHORTEST_TUNNEL = 1e-3  # m: below it TOGT-Planner makes no tunnel
 
 
 def _is_track(content: Content) -> bool:
-    return content.has("initState", "orders")
+    return "initState" in content or "orders" in content
 
 
 def _read_track(content: Content, name: str | None) -> Findings:
@@ -192,8 +192,7 @@ SHAPES: Mapping[str, Callable[..., dict]] = {
 
 
 def _is_drone(content: Content) -> bool:
-    arms = content.has("armLength", "torCoeff") or "T_bm" in content or content.has("tbm_fr", "torCoeff")
-    return content.has("mass", "inertia") and arms
+    return any(key in content for key in ("armLength", "torCoeff", "T_bm"))
 
 
 def _read_drone(content: Content, name: str | None) -> Findings:

@@ -10,7 +10,7 @@ from hotlap.files.kinds import Kind
 from hotlap.importers.content import Content
 from hotlap.importers.imported import Findings, Format
 from hotlap.importers.markup import Markup
-from hotlap.importers.rotors import PER_MINUTE, fill_radius, from_weights, place_rotors
+from hotlap.importers.rotors import PER_MINUTE, fill_radius, from_weight, place_rotors
 
 OFF = 0.02  # share by which `arm` may differ from the rotors' places without a word
 LOST = {
@@ -35,7 +35,7 @@ def _read(document: Markup, name: str | None) -> Findings:
     found = Findings({"name": name or document.name or None})
     _weigh(found, document)
     _arms(found, document, said)
-    from_weights(found, [0.0, said["thrust2weight"].positive()], "thrust2weight")
+    from_weight(found, said["thrust2weight"].positive(), "thrust2weight")
     found.table["torque_ratio"] = said["km"].positive() / said["kf"].positive()
     found.table["motor_time"] = [0.0, 0.0]
     found.taken += ["torque_ratio = km / kf", "PyBullet's motors follow at once: motor_time is 0"]
