@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.core.errors import InputError
 from hotlap.importers.bodies import Body
 from hotlap.importers.markup import Markup
 from hotlap.importers.turning import rotation_of
@@ -77,7 +76,7 @@ def body_of(link: Markup, pose: Pose) -> Body | None:
 def _locate(frame: Markup, frames: Mapping[str, Markup], depth: int = 0) -> Pose:
     """Where a frame is, seen from its model."""
     if depth > DEEPEST:
-        raise InputError(frame.file, f"{frame.key}.pose", "stands on itself, by relative_to")
+        raise frame.fault("its pose stands on itself, by relative_to")
     pose, below = frame.first("pose"), ""
     if pose is not None:
         below = pose.element.get("relative_to", "")
@@ -86,7 +85,7 @@ def _locate(frame: Markup, frames: Mapping[str, Markup], depth: int = 0) -> Pose
     if below in {"", MODEL}:
         return own_pose(frame)
     if below not in frames:
-        raise InputError(frame.file, f"{frame.key}.pose", f"is relative to {below}, which is not there")
+        raise frame.fault(f"its pose is relative to {below}, which is not there")
     return _locate(frames[below], frames, depth + 1).then(own_pose(frame))
 
 
