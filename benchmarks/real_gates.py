@@ -1,8 +1,8 @@
 """How the default tuner does on races with real gates, and on those of other people: python benchmarks/real_gates.py [RACE ...] [--seeds N]
 
-Every run is one of `hotlap tune` with its defaults (ten re-flights, at least 95 % of 200 more flights), from the learned first guess and from
-the default weights; what counts is a controller that is confirmed within 200 search flights. Every result is flown 400 times more with noise
-that no search has used. Runs are kept in `--out`; the same command continues where it was interrupted.
+Every run is one of `hotlap tune` with its defaults (ten re-flights, at least 95 % of 200 more flights), from the learned first guess and
+from the default weights; what counts is a controller that is confirmed within 200 search flights. Every result is flown 400 times more with
+noise that no search has used. Runs are kept in `--out`; the same command continues where it was interrupted.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def row(case: Case, found: dict[str, Any]) -> str:
 
 
 HEAD = (
-    "| race | first guess | plan s | top speed m/s | default weights % | confirmed % of runs | search flights | fresh flights % | s a run |\n"
+    "| race | first guess | plan s | top speed m/s | default weights % | confirmed % | search flights | fresh flights % | s a run |\n"
     "|---|---|---|---|---|---|---|---|---|"
 )
 
