@@ -15,7 +15,6 @@ PAGE = Path(__file__).with_name("files.md")
 DESCRIPTIONS: dict[str, type[Described]] = {
     "track": track.Track,
     "gate": gate.Gate,
-    "opening": gate.Opening,
     "pole": obstacles.Pole,
     "sphere": obstacles.Sphere,
     "box": obstacles.Box,

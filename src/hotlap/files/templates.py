@@ -12,8 +12,8 @@ from hotlap.race.schema import Described
 
 HEADS: Mapping[Kind, str] = {
     Kind.TRACK: "A track: gates in the order in which they are flown. x forward, y left, z up, in metres and radians.\n"
-    "# A gate has the position of its centre, the heading (yaw) in which it is passed, and an opening: side, width and height, radius or\n"
-    "# corners; more keys of it (pitch, roll, depth, frame, direction, counts): docs/files.md. A bare [x, y, z] is passed near enough, any way.",
+    "# A gate has the position of its centre, the heading (yaw) in which it is passed, and an opening: side, width and height, radius\n"
+    "# or corners; pitch, roll, depth, frame, direction and counts are in docs/files.md. A bare [x, y, z] is passed near by, any way.",
     Kind.QUADROTOR: 'A quadrotor. Instead of writing all keys it may build on another one: base = "hummingbird".',
     Kind.RACE: "A race: who flies which track, how it is planned, controlled and judged.\n"
     "# track, vehicle, model and planning.quadrotor take a name, a path, or a table with a base and what differs from it.",
