@@ -25,8 +25,13 @@ MAKE_NO_PLANS = (
     "hotlap.planning.feasibility",
     "hotlap.planning.passages",
     "hotlap.planning.preparation",
+    "hotlap.planning.flatness",
+    "hotlap.planning.reference_checks",
+    "hotlap.planning.reference_columns",
     "hotlap.planning.reference_csv",
     "hotlap.planning.reference_demands",
+    "hotlap.planning.reference_frames",
+    "hotlap.planning.reference_table",
 )
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
 

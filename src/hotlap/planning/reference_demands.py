@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.planning.attitude import CONJUGATE, rotate
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
@@ -100,10 +101,9 @@ def needed_thrust(vehicle: Quadrotor, reference: Reference) -> Floats:
     velocity, attitude = reference.velocity[:rows], reference.attitude[:rows]
     acceleration = np.diff(velocity, axis=0) / reference.period
     acceleration[:, 2] += vehicle.gravity
-    middle, rotation = (velocity[1:] + velocity[:-1]) / 2, _rotations(attitude[:-1])
-    air = np.einsum("kij,ki->kj", rotation, middle)
-    drag = _drag(vehicle, air, np.linalg.norm(acceleration, axis=1))
-    return np.linalg.norm(acceleration + np.einsum("kij,kj->ki", rotation, drag), axis=1)
+    air = rotate(attitude[:-1] * CONJUGATE, (velocity[1:] + velocity[:-1]) / 2)
+    lost = drag(vehicle, air, np.linalg.norm(acceleration, axis=1))
+    return np.linalg.norm(acceleration + rotate(attitude[:-1], lost), axis=1)
 
 
 def _rotor_share(race: Race, reference: Reference) -> float:
@@ -113,7 +113,7 @@ def _rotor_share(race: Race, reference: Reference) -> float:
     return float(held) / (race.vehicle.rotor_thrust[1] / race.vehicle.mass)
 
 
-def _drag(vehicle: Quadrotor, air: Floats, thrust: Floats) -> Floats:
+def drag(vehicle: Quadrotor, air: Floats, thrust: Floats) -> Floats:
     """Deceleration by all drags (body), shape (rows, 3) [m/s^2]; rotors are taken to give the same thrust.
 
     Args:
@@ -125,17 +125,6 @@ def _drag(vehicle: Quadrotor, air: Floats, thrust: Floats) -> Floats:
     in_plane = air * np.array([1.0, 1.0, 0.0]) * speeds[:, None]
     quadratic = np.array(vehicle.body_drag) * air * np.abs(air)
     return np.array(vehicle.drag) * air + (vehicle.rotor_drag * in_plane + quadratic) / vehicle.mass
-
-
-def _rotations(attitudes: Floats) -> Floats:
-    """Body to world, shape (rows, 3, 3)."""
-    w, x, y, z = attitudes.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.array(rows).transpose(2, 0, 1)
 
 
 def _running_mean(values: Floats, count: int) -> Floats:
