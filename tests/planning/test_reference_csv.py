@@ -198,7 +198,7 @@ def put(row: int, **cells: str) -> Callable[[Table], object]:
 
 
 EDITS = {
-    "a column is missing": (lambda table: table.pop("v_y"), "v_y: this column is missing; needed: t,p_x,p_y,p_z; the others in groups: v_x,v_y,v_z"),
+    "a column is missing": (lambda table: table.pop("v_y"), "v_y: this column is missing; needed: t,p_x,p_y,p_z;"),
     "not a number": (put(3, w_y="x7"), 'line 5, w_y: must be a finite number, not "x7"'),
     "NaN": (put(3, p_z="nan"), 'line 5, p_z: must be a finite number, not "nan"'),
     "infinity": (put(3, u_2="inf"), 'line 5, u_2: must be a finite number, not "inf"'),

@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 
 HELD = 0.1  # s for which a thrust has to be held to count: a controller cuts shorter peaks
 FIRST = 0.05  # s that are the first moment
+SUDDEN_SPEED, SUDDEN_RATE = 0.5, 3.0  # m/s and rad/s at the first moment that matter
 FULL = 0.97  # share of the thrust beyond which all of it is asked for
 
 
@@ -93,6 +94,32 @@ def demands(race: Race, reference: Reference) -> Demands:
         length=float(np.linalg.norm(np.diff(reference.position[:rows], axis=0), axis=1).sum()),
         duration=reference.duration,
     )
+
+
+def advice(race: Race, reference: Reference) -> tuple[str, ...]:
+    """What of a reference no weights can make up for, a clause each; none where nothing stands out.
+
+    Args:
+        race: its track, vehicle and controller count.
+        reference: planned or read.
+    """
+    asked, found = demands(race, reference), list[str]()
+    if asked.exhausting:
+        share = max(asked.thrust_share, asked.rotor_share)
+        found.append(f"this reference asks for {share:.0%} of the vehicle's thrust: no tuner will help; fly it slower")
+    thrust, limit = float(reference.thrust[: reference.planned_rows].max()), race.controller.thrust[1]
+    if thrust > limit:
+        found.append(f"it asks for a thrust of up to {thrust:.1f} m/s^2; raise controller.thrust, which allows {limit:g}")
+    for axis, rate, most in zip(("roll", "pitch", "yaw"), asked.rates.tolist(), race.controller.rates, strict=True):
+        if rate > 1.001 * most:
+            found.append(f"it asks for a {axis} rate of up to {rate:.1f} rad/s; raise controller.rates, which allow {most:g}")
+    away = float(np.linalg.norm(reference.velocity[0] - np.array(race.track.start_velocity)))
+    if away > SUDDEN_SPEED:
+        found.append(f"it begins at {asked.first_speed:.1f} m/s; set track.start_velocity, or let it begin as flights do")
+    turning = float(np.linalg.norm(asked.first_rates))
+    if turning > SUDDEN_RATE:
+        found.append(f"it begins with body rates of {turning:.1f} rad/s, which a drone at rest cannot have")
+    return tuple(found)
 
 
 def needed_thrust(vehicle: Quadrotor, reference: Reference) -> Floats:
