@@ -27,15 +27,17 @@ GRID = 9  # lines of the ground in each direction
 class Layer(IntEnum):
     """The parts of a drawing from above or from the side, in the order in which they are drawn: later ones cover earlier ones."""
 
-    GATE_AREA = 1
-    COMPARISON = 2
-    FLIGHT_EDGE = 3
-    FLIGHT = 4
-    PLAN = 5
-    GATE_CIRCLE = 6
-    START = 7
-    FAILURE = 8
-    LABEL = 9
+    BORDER = 1
+    OBSTACLE = 2
+    GATE_AREA = 3
+    COMPARISON = 4
+    FLIGHT_EDGE = 5
+    FLIGHT = 6
+    PLAN = 7
+    GATE_CIRCLE = 8
+    START = 9
+    FAILURE = 10
+    LABEL = 11
 
 
 @dataclass(frozen=True)
@@ -124,8 +126,9 @@ def widen(low: Floats, high: Floats, least: float, margin: float = 0.0) -> tuple
 
 def scene_views(scene: Scene) -> tuple[View, View]:
     """A scene from above and from the side: the plan with its gates, and flights as far as they do not stray too far from it."""
-    known = np.vstack([scene.path, scene.gates - scene.distance, scene.gates + scene.distance])
-    low, high = box_of(known)
+    bare = np.array([gate.centre for gate in scene.structures.gates if gate.bare]).reshape(-1, 3)
+    low, high = scene.structures.surround(*box_of(np.vstack([scene.path, bare - scene.distance, bare + scene.distance])))
+    known = np.stack([low, high])
     margin = STRAY * float((high - low).max())
     flown = [flight.position for flight in scene.traces] + [repeats.failures for repeats in scene.repeats]
     everything = np.vstack([known, *(np.clip(points, low - margin, high + margin) for points in flown)])
