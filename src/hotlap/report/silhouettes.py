@@ -85,6 +85,17 @@ def arrow_in(shape: GateShape, view: View, length: float) -> Floats | None:
     return flat if np.linalg.norm(flat[1] - flat[0]) >= SEEN * length else None
 
 
+def arrow_length(shape: GateShape, scale: float, limits: tuple[float, float]) -> float:
+    """[m] of a gate's arrow: in proportion to its opening, as far as it can be seen.
+
+    Args:
+        shape: the gate.
+        scale: units of the drawing per metre.
+        limits: the shortest and the longest, in units of the drawing.
+    """
+    return float(np.clip(0.9 * shape.reach * scale, *limits)) / scale
+
+
 def _sides(box: Box, view: View) -> Iterator[Floats]:
     """The four sides of a box, cut at the edges of a view."""
     low, high = (np.array(bound)[[view.across, view.up]] for bound in (box.low, box.high))

@@ -11,7 +11,7 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from hotlap.report.projection import Layer, View
-from hotlap.report.silhouettes import Disc, arrow_in, borders, silhouette
+from hotlap.report.silhouettes import Disc, arrow_in, arrow_length, borders, silhouette
 from hotlap.report.structures import GateShape, Obstacle, Structures, arrow_line
 from hotlap.report.style import FACE, INK, QUIET
 
@@ -47,16 +47,6 @@ def draw_structures(axes: Axes, view: View, structures: Structures, scale: float
             _draw_gate(axes, view, shape.larger(LEAST / scale), scale)
 
 
-def arrow_length(shape: GateShape, scale: float) -> float:
-    """[m] of a gate's arrow: in proportion to its opening, as far as it can be seen.
-
-    Args:
-        shape: the gate.
-        scale: inches per metre.
-    """
-    return float(np.clip(0.9 * shape.reach * scale, *ARROW)) / scale
-
-
 def _draw_gate(axes: Axes, view: View, shape: GateShape, scale: float) -> None:
     """A circle, or the outline of an opening with its frame and its direction."""
     if shape.plane is None:
@@ -71,7 +61,7 @@ def _draw_gate(axes: Axes, view: View, shape: GateShape, scale: float) -> None:
         axes.add_patch(Polygon(rim, **HOLE))
     for wall in map(view.project, shape.walls):
         axes.plot(*wall.T, color=INK, linewidth=0.5, zorder=Layer.GATE_CIRCLE)
-    arrow = arrow_in(shape, view, arrow_length(shape, scale))
+    arrow = arrow_in(shape, view, arrow_length(shape, scale, ARROW))
     if arrow is not None:
         axes.plot(*arrow_line(arrow).T, color=INK, linewidth=0.9, solid_capstyle="round", zorder=Layer.GATE_CIRCLE)
 

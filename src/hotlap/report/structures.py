@@ -88,8 +88,8 @@ class GateShape:
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
     def larger(self, least: float) -> GateShape:
-        """The same shape with a reach of at least so many metres, so that it can be seen on a long track."""
-        factor = least / self.reach
+        """The same shape with a reach of at least so many metres, so that it can be seen on a long track; a bare point stays as it is."""
+        factor = 1.0 if self.bare else least / self.reach
         if factor <= 1:
             return self
         if self.plane is None:

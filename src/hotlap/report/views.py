@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from hotlap.report.labels import Placer, group, number
 from hotlap.report.projection import AXES, Layer, View
 from hotlap.report.scene import Scene, Trace
-from hotlap.report.silhouettes import arrow_in
-from hotlap.report.standing import LEAST, arrow_length, draw_structures
+from hotlap.report.silhouettes import arrow_in, arrow_length
+from hotlap.report.standing import ARROW, LEAST, draw_structures
 from hotlap.report.style import FACE, FAILURE, FIRST, GHOST_DASHES, INK, LINE, QUIET, SMALL, SPEED_MAP, text_width
 
 Floats = NDArray[np.float64]
@@ -84,7 +84,7 @@ def write_gates(axes: Axes, view: View, scene: Scene, scale: float, placer: Plac
         placer.block(point[None], max(0.05, 0.7 * radius))
     placer.block(spots[0][0][None], 0.05)
     for shape in shapes:
-        arrow = arrow_in(shape, view, arrow_length(shape, scale))
+        arrow = arrow_in(shape, view, arrow_length(shape, scale, ARROW))
         if arrow is not None:
             placer.block(view.place(arrow[1:], scale), 0.04)
     for i, (point, text) in enumerate(spots):
