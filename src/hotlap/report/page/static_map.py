@@ -14,7 +14,7 @@ from hotlap.report.markup import element, text
 from hotlap.report.projection import Layer, View, box_of, scene_views
 from hotlap.report.scene import Scene
 from hotlap.report.silhouettes import Disc, Slab, arrow_in, arrow_length, borders, silhouette
-from hotlap.report.structures import arrow_line
+from hotlap.report.structures import GateShape, arrow_line
 
 Floats = NDArray[np.float64]
 
@@ -89,7 +89,7 @@ def _draw_view(scene: Scene, panel: _Panel) -> str:
         Layer.FAILURE: "".join(_crosses(scene, panel)),
         Layer.LABEL: "".join(_gate_numbers(scene, panel)),
     }
-    low, high = box_of(np.vstack([scene.path, scene.gates]))
+    low, high = scene.structures.surround(*box_of(np.vstack([scene.path, scene.gates])))
     title = text(panel.view.title(high - low))
     head = element("text", title, x=MARGIN, y=f"{panel.top + LETTER:.1f}", font_size=LETTER, fill="currentColor")
     return element("g", head + "".join(parts[layer] for layer in sorted(parts)))
@@ -178,8 +178,15 @@ def _gate_numbers(scene: Scene, panel: _Panel) -> Iterator[str]:
     """Numbers above the gates; gates that are drawn in one place share a label."""
     style: dict[str, Any] = {"font_size": LETTER, "fill": "currentColor", "text_anchor": "middle"}
     for (x, y), members in group(panel.of(scene.gates), 6.0):
-        reach = scene.structures.gates[members[0]].larger(LEAST / panel.scale).reach
-        yield element("text", number(members), x=f"{x:.1f}", y=f"{y - reach * panel.scale - 3:.1f}", **style)
+        above = _top(scene.structures.gates[members[0]].larger(LEAST / panel.scale), panel)
+        yield element("text", number(members), x=f"{x:.1f}", y=f"{y - above - 3:.1f}", **style)
+
+
+def _top(shape: GateShape, panel: _Panel) -> float:
+    """How far a gate and its arrow reach up from its centre."""
+    arrow = arrow_in(shape, panel.view, arrow_length(shape, panel.scale, ARROW))
+    tip = 0.0 if arrow is None else float(arrow[1, 1] - arrow[0, 1])
+    return panel.scale * max(tip, float(shape.bounds[1, panel.view.up] - shape.centre[panel.view.up]))
 
 
 def _polygon(points: Floats, **style: Any) -> str:
