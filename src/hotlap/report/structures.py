@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 Obstacle = Pole | Sphere | Box
 
 NEAR = 1.0  # of the track's longest extent: how far beyond it obstacles are still drawn
-FITS = 0.5  # likewise, of the sides of the box, of floor and ceiling
+FITS = 0.6  # likewise, of the sides of the box, of floor and ceiling
 EDGES = np.array([[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]])  # of a box's corners
 BARB, SPREAD = 0.38, 0.45  # of an arrow's length: how long its head is, and half as wide as it is long
 
@@ -118,7 +118,7 @@ class Structures:
     Attributes:
         gates: those that have to be passed, in the order flown.
         points: those that do not count, without the end.
-        obstacles: poles, spheres and boxes.
+        obstacles: poles, which stand on the floor where there is one, spheres and boxes.
         box: what the flight must not leave; None: it may go anywhere.
         floor: [m] (world) height; None: there is none, or it is not drawn, because nothing stands on it.
         ceiling: [m] (world) height; None: there is none.
@@ -173,7 +173,8 @@ def structures_of(track: Track, distance: float) -> Structures:
     """
     gates = tuple(_shape(point, distance) for point in track.route if point.counts)
     points = tuple(_shape(point, distance) for point in track.route if not point.counts and point.key != "end")
-    found = Structures(gates, points, (*track.poles, *track.spheres, *track.boxes), track.box, None, track.ceiling)
+    obstacles = (*(_standing(pole, track.floor) for pole in track.poles), *track.spheres, *track.boxes)
+    found = Structures(gates, points, obstacles, track.box, None, track.ceiling)
     return found if found.plain else replace(found, floor=track.floor)
 
 
@@ -227,6 +228,12 @@ def arrow_line(ends: Floats) -> Floats:
 
 def _shape(point: Waypoint, distance: float) -> GateShape:
     return GateShape(point.gate, plane_of(point.gate, distance), point.gate.radius or distance, point.counts)
+
+
+def _standing(pole: Pole, floor: float | None) -> Pole:
+    """An endless pole ends at the floor."""
+    ends = floor is not None and pole.bottom is None and (pole.top is None or pole.top > floor)
+    return pole.model_copy(update={"bottom": floor}) if ends else pole
 
 
 def _circle(points: int = 33) -> Floats:
