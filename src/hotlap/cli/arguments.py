@@ -129,6 +129,7 @@ def _landscape(parser: Parser) -> None:
     add("--points", type=whole, default=50, metavar="N", help="along each, evenly in logarithms")
     add("--flights", type=whole, default=4, metavar="N", help="at each point, with the same noise at all")
     add("--first-guess", default=DEFAULT, metavar="NAME", help=f"what the other parameters are: {PARAMETERS}")
+    add("--reference", type=path, metavar="FILE", help="read this CSV instead of planning")
     _controller(parser)
     add("--out", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
 
