@@ -46,7 +46,7 @@ def attitudes_along(vectors: Floats, start: Floats) -> Floats:
 
 
 def attitudes_with_yaw(vectors: Floats, yaw: Floats) -> Floats:
-    """Attitudes along thrust vectors whose x axis points into a heading, shape (rows, 4).
+    """Attitudes along thrust vectors whose left axis is square to a heading, shape (rows, 4): left = up x (cos yaw, sin yaw, 0).
 
     Where the thrust is level and along the heading, a yaw says nothing: left stays where it was. It keeps its side beyond that, so that
     a loop is flown as one.

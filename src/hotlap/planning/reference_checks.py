@@ -28,6 +28,7 @@ SPAN = 0.05  # s over which columns are compared
 FOREIGN = 0.5  # relative difference from which columns do not belong to each other
 LIKE = 0.25  # relative difference up to which something is taken for the cause
 AT_REST, UNTURNED = 0.1, 0.2  # m/s and rad/s: differences that prove nothing
+SMOOTHED = 10  # rows
 MOST_YAW = 8 * math.pi  # rad: more than anyone turns about the vertical without counting in degrees
 MIRRORED = np.array([1.0, -1.0, -1.0])
 MIRRORED_TURN = np.array([1.0, 1.0, -1.0, -1.0])
@@ -169,7 +170,7 @@ def check_axes(source: str, attitude: Floats, vectors: Floats) -> None:
 
     Args:
         source: the file, for messages.
-        attitude: shape (rows, 4).
+        attitude: shape (rows, 4), every 10 ms.
         vectors: shape (rows, 3) [m/s^2] (world) that the rotors have to give.
 
     Raises:
@@ -204,10 +205,16 @@ def drag_of(attitude: Floats, velocity: Floats, weight: Floats) -> float:
 
 
 def axis_misfit(attitude: Floats, vectors: Floats) -> float:
-    """Median share of thrust vectors that lies across the thrust axis, or all of one that points the other way."""
-    along, sizes = (vectors * thrust_axis(attitude)).sum(axis=1), np.linalg.norm(vectors, axis=1)
-    across = np.linalg.norm(_across(attitude, vectors), axis=1)
-    return float(np.median(np.where(along < 0, sizes, across)) / max(float(np.median(sizes)), 1e-9))
+    """Share of thrust vectors that lies across the thrust axis, or all of one that points the other way; the worst tenth apart.
+
+    Means over 100 ms are compared, so that measured values pass.
+    """
+    kernel = np.full(SMOOTHED, 1 / SMOOTHED)
+    axes, needed = (np.stack([np.convolve(one, kernel, "valid") for one in rows.T], axis=1) for rows in (thrust_axis(attitude), vectors))
+    axes = axes / np.maximum(np.linalg.norm(axes, axis=1, keepdims=True), 1e-9)
+    along, squares = (needed * axes).sum(axis=1), (needed**2).sum(axis=1)
+    across = np.sort(np.where(along < 0, squares, squares - along**2))
+    return math.sqrt(across[: max(1, int(0.9 * len(across)))].mean() / max(float(squares.mean()), 1e-9))
 
 
 def _across(attitude: Floats, vectors: Floats) -> Floats:

@@ -7,6 +7,9 @@ Drag depends on the attitude and the attitude on drag, so that both are found in
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -70,15 +73,22 @@ def drag(quadrotor: Quadrotor, attitude: Floats, velocity: Floats, thrust: Float
         velocity: shape (rows, 3) [m/s] (world).
         thrust: shape (rows,) [m/s^2] about what the rotors give.
     """
-    from hotlap.dynamics.models import airframe  # noqa: PLC0415  CasADi, only where it is needed
-    from hotlap.planning.full_stage import airframe_parameters  # noqa: PLC0415  likewise
+    from hotlap.planning.full_stage import airframe_parameters  # noqa: PLC0415  CasADi, only where it is needed
 
     rows = len(attitude)
     states = np.hstack([np.zeros((rows, 3)), velocity, attitude, np.zeros((rows, 3))])
     thrusts = np.tile(quadrotor.mass * thrust / 4, (4, 1))
     parameters = np.tile(airframe_parameters(quadrotor)[:, None], rows)
-    acceleration = np.asarray(airframe().map(rows)(states.T, thrusts, parameters))[3:6].T
+    acceleration = np.asarray(_airframe(rows)(states.T, thrusts, parameters))[3:6].T
     return thrust_axis(attitude) * thrust[:, None] - np.array([0.0, 0.0, quadrotor.gravity]) - acceleration
+
+
+@cache
+def _airframe(rows: int) -> Any:
+    """The equations of motion for so many rows at once."""
+    from hotlap.dynamics.models import airframe  # noqa: PLC0415  CasADi, only where it is needed
+
+    return airframe().map(rows)
 
 
 def axes_of(vectors: Floats) -> Floats:
