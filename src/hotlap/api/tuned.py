@@ -22,6 +22,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.core.version import __version__
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
 from hotlap.files.parameters_file import Remark, SavedParameters
+from hotlap.planning.reference_demands import advice
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
 from hotlap.study.result import Result
@@ -56,6 +57,7 @@ class TuningResult(Outcome):
         report: the page; None where it could not be written.
         robustness: how the parameters fare with vehicles that differ a little; empty where that was not flown.
         again: the command line that flies the parameters; "" where the race has no name.
+        advice: where the goal was not confirmed with a reference that was read: what of it no weights can make up for.
     """
 
     scenario: Scenario
@@ -67,6 +69,7 @@ class TuningResult(Outcome):
     report: Path | None
     robustness: tuple[Robustness, ...]
     again: str
+    advice: tuple[str, ...] = ()
 
     @property
     def confirmed(self) -> bool:
@@ -127,7 +130,8 @@ class TuningResult(Outcome):
         """The keys of `hotlap tune --json`."""
         paths = {"study": str(self.folder), "parameters": str(self.parameters), "report": None if self.report is None else str(self.report)}
         robustness = [_dump_robustness(one) for one in self.robustness]
-        return {**self.result.dump(), "world": self.world, "first_guess": self.first_guess, "robustness": robustness, **paths}
+        about = {"world": self.world, "first_guess": self.first_guess, "robustness": robustness}
+        return {**self.result.dump(), **about, "notes": list(self.scenario.notes), "advice": list(self.advice), **paths}
 
     def plot(self) -> Figure:
         """Completion and cost over the flights of the search."""
@@ -150,7 +154,9 @@ def carry_out(asked: Asked) -> TuningResult:
         save_parameters(file, _saved(study, result))
         robustness, report = _report(study, world, asked)
     again = _again(asked, folder)
-    return TuningResult(configuration.scenario, result, world.name, str(asked.first_guess), folder, file, report, robustness, again)
+    scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
+    hints = advice(scenario.race, scenario.reference) if told else ()
+    return TuningResult(scenario, result, world.name, str(asked.first_guess), folder, file, report, robustness, again, hints)
 
 
 def _configure(asked: Asked) -> tuple[World, Configuration]:

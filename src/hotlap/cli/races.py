@@ -9,8 +9,8 @@ from hotlap.cli.output import present, table
 from hotlap.files.descriptions import Kind, load_race, names
 from hotlap.planning.feasibility import describe_race
 
-HEADER = ("race", "track", "gates", "v_max", "vehicle", "expected", "provenance")
-LONGEST = 48  # characters of a provenance
+HEADER = ("race", "track", "gates", "v_max", "vehicle", "rule", "expected", "provenance")
+LONGEST = 30  # characters of a provenance
 
 
 def run(options: Namespace) -> int:
@@ -30,6 +30,7 @@ def _row(name: str) -> dict[str, Any]:
         "gates": len(race.track.counted),
         "v_max": race.planning.v_max,
         "vehicle": race.vehicle.name,
+        "rule": race.judge.rule.value,
         "difficulty": describe_race(race)[-1].value,
         "provenance": race.provenance,
     }

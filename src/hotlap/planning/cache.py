@@ -21,14 +21,29 @@ from hotlap.system.disk_cache import digest_sources, folder
 ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
 SCALARS = ("duration", "cpu_time", "period")
 SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
-MAKE_NO_PLANS = ("hotlap.planning.feasibility", "hotlap.planning.passages", "hotlap.planning.preparation", "hotlap.planning.reference_csv")
+MAKE_NO_PLANS = (
+    "hotlap.planning.feasibility",
+    "hotlap.planning.passages",
+    "hotlap.planning.preparation",
+    "hotlap.planning.flatness",
+    "hotlap.planning.reference_checks",
+    "hotlap.planning.reference_columns",
+    "hotlap.planning.reference_csv",
+    "hotlap.planning.reference_demands",
+    "hotlap.planning.reference_frames",
+    "hotlap.planning.reference_table",
+)
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
+OF_FULL = {"motor_time", "drag", "rotor_drag", "body_drag", "rate_gain", "torque_damping"}  # what one with all dynamics uses besides
 
 
 def key(problem: Problem) -> str:
     """Thirty-two hexadecimal digits that change whenever the plan could."""
     description = {field.name: getattr(problem, field.name) for field in dataclasses.fields(problem) if field.name != "track"}
-    description["quadrotor"] = problem.quadrotor.model_dump(mode="json", include=OF_QUADROTOR)
+    if not problem.full:
+        del description["dynamics"], description["command_rates"]
+    used = OF_QUADROTOR | OF_FULL if problem.full else OF_QUADROTOR
+    description["quadrotor"] = problem.quadrotor.model_dump(mode="json", include=used)
     description["ramp"] = problem.ramp and problem.ramp.model_dump(mode="json")
     code = digest_sources(*SOURCES, without=MAKE_NO_PLANS)
     versions = [code, version("casadi"), version("numpy"), platform.machine()]
