@@ -78,8 +78,8 @@ class GateShape:
 
     @property
     def reach(self) -> float:
-        """[m] from its centre to the farthest point of the opening."""
-        return self.radius if self.plane is None else float(np.linalg.norm(np.vstack(self.rims) - self.centre, axis=1).max())
+        """[m] from its centre to the farthest point of the opening, without the length of a tunnel."""
+        return self.radius if self.plane is None else float(np.linalg.norm(self.plane.outline() - self.centre, axis=1).max())
 
     @property
     def bounds(self) -> Floats:
@@ -99,8 +99,14 @@ class GateShape:
         return replace(self, plane=replace(plane, **grown))
 
     def arrow(self, length: float) -> Floats | None:
-        """A line along the normal from the centre, of a length [m], shape (2, 3) [m] (world); None where both ways count."""
-        return None if self.normal is None else np.stack([self.centre, self.centre + length * self.normal])
+        """A line along the normal from the centre, or from the end of a tunnel, of a length [m], shape (2, 3) [m] (world).
+
+        None where both ways count.
+        """
+        if self.plane is None or self.normal is None:
+            return None
+        tail = self.centre + self.plane.depth / 2 * self.normal
+        return np.stack([tail, tail + length * self.normal])
 
     def _outlines(self, grown: float) -> tuple[Floats, ...]:
         if self.plane is None:
