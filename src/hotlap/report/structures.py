@@ -123,7 +123,7 @@ class Structures:
 
     Attributes:
         gates: those that have to be passed, in the order flown.
-        points: those that do not count, without the end.
+        points: those that do not count, each once, without the end.
         obstacles: poles, which stand on the floor where there is one, spheres and boxes.
         box: what the flight must not leave; None: it may go anywhere.
         floor: [m] (world) height; None: there is none, or it is not drawn, because nothing stands on it.
@@ -178,9 +178,9 @@ def structures_of(track: Track, distance: float) -> Structures:
         distance: [m] within which a gate without size is passed.
     """
     gates = tuple(_shape(point, distance) for point in track.route if point.counts)
-    points = tuple(_shape(point, distance) for point in track.route if not point.counts and point.key != "end")
+    others = {point.key: _shape(point, distance) for point in track.route if not point.counts and point.key != "end"}
     obstacles = (*(_standing(pole, track.floor) for pole in track.poles), *track.spheres, *track.boxes)
-    found = Structures(gates, points, obstacles, track.box, None, track.ceiling)
+    found = Structures(gates, tuple(others.values()), obstacles, track.box, None, track.ceiling)
     return found if found.plain else replace(found, floor=track.floor)
 
 
