@@ -21,7 +21,10 @@ from hotlap.system.disk_cache import digest_sources, folder
 ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
 SCALARS = ("duration", "cpu_time", "period")
 SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
-MAKE_NO_PLANS = ("hotlap.planning.feasibility", "hotlap.planning.passages", "hotlap.planning.preparation", "hotlap.planning.reference_csv")
+MAKE_NO_PLANS = (
+    *("hotlap.planning.feasibility", "hotlap.planning.race_feasibility", "hotlap.planning.plan_feasibility", "hotlap.planning.finding"),
+    *("hotlap.planning.passages", "hotlap.planning.preparation", "hotlap.planning.reference_csv"),
+)
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
 
 
