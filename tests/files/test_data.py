@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from hotlap.files.descriptions import Kind, load_quadrotor, load_race, load_track, names
-from hotlap.planning.feasibility import describe, unknown_latency
+from hotlap.planning.feasibility import describe
+from hotlap.planning.race_feasibility import unknown_latency
 from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, NoiseSettings
 
 TABLE_I = {"circle-20": 20, "circle-34": 34, "drop-20": 20, "flip-16": 16, "spiral-53": 53, "qualifier-20": 20, "final-22": 22}

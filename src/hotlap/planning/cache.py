@@ -22,8 +22,14 @@ ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts"
 SCALARS = ("duration", "cpu_time", "period")
 SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
 MAKE_NO_PLANS = (
-    *("hotlap.planning.feasibility", "hotlap.planning.race_feasibility", "hotlap.planning.plan_feasibility", "hotlap.planning.finding"),
-    *("hotlap.planning.passages", "hotlap.planning.preparation", "hotlap.planning.reference_csv"),
+    "hotlap.planning.feasibility",
+    "hotlap.planning.finding",
+    "hotlap.planning.passages",
+    "hotlap.planning.plan_feasibility",
+    "hotlap.planning.preparation",
+    "hotlap.planning.race_feasibility",
+    "hotlap.planning.reference_csv",
+    "hotlap.planning.reference_demands",
 )
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
 
