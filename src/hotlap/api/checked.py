@@ -98,7 +98,7 @@ def _describe(race: Race, asked: Asked) -> Iterator[Finding]:
         scenario = make_scenario(race, asked)
     except PlanningError as error:
         yield from describe_race(race)
-        yield Finding("plan", "none", str(error), Level.WARNING)
+        yield Finding("no plan", "none", str(error), Level.WARNING)
         return
     yield from describe_race(race, scenario.reference.max_speed, planned=planned)
     yield from describe_flown(race, scenario.reference, file)

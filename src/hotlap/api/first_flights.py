@@ -30,7 +30,7 @@ MATTERS = 0.2  # difference of two shares of 50 flights that is no chance
 WEIGHTS = 64  # drawn at random where nothing passes the first gate
 FEW = 10  # flights before a tuning
 SLOWER = 0.6  # of the thrust that a plan may use
-BARELY = 1.2  # thrust-to-weight below which a plan makes no sense
+BARELY = 1.15  # thrust-to-weight below which a plan makes no sense
 SEED = 0  # the flights of `hotlap fly` by default
 
 
@@ -81,9 +81,10 @@ def describe_flights(scenario: Scenario, world: World, flights: int, slower: Cal
     doom = find_doom(scenario, world, tried)
     if doom is not None:
         yield Finding("no weights", f"0 of {WEIGHTS}", f"drawn at random pass gate 1: {doom.words}", Level.WARNING)
-    yield _error(scenario, best)
+    room = float(rooms(scenario.race, scenario.reference.position_at(scenario.reference.gate_times)).min())
+    yield _error(best, room)
     yield _difficulty(tried, best, hopeless=doom is not None)
-    if best.share < EASY and not (doom and doom.at_once):
+    if best.share < EASY and room > 0 and not (doom and doom.at_once):
         yield from _advise(scenario, world, best, flights, slower)
 
 
@@ -146,9 +147,8 @@ def _fly_each(scenario: Scenario, world: World, weights: Parameters) -> FlightsR
     return FlightsResult(scenario, world.name, weights[0], flights, scores)
 
 
-def _error(scenario: Scenario, best: Tried) -> Finding:
-    """The controller's mean error beside what the plan leaves for it."""
-    room = float(rooms(scenario.race, scenario.reference.position_at(scenario.reference.gate_times)).min())
+def _error(best: Tried, room: float) -> Finding:
+    """The controller's mean error beside what the plan leaves for it at the gates, [m]."""
     error = float(best.flown.scores.mean_error.mean())
     remark = f"from the reference, by the {best.name}; it leaves {max(room, 0.0):.2f} m at the gates"
     return Finding("mean error", f"{error:.2f} m", remark, note_if(error > room))
@@ -168,19 +168,19 @@ def _difficulty(tried: Sequence[Tried], best: Tried, *, hopeless: bool) -> Findi
 
 def _advise(scenario: Scenario, world: World, best: Tried, flights: int, slower: Callable[[Race], Scenario] | None) -> Iterator[Finding]:
     """What would help, as flown: one change at a time, the weights the same."""
-    found = False
-    for name, race, advice in _changes(scenario.race):
-        tried = Tried(name, best.weights, _fly(replace(scenario, race=race), world, best.weights, flights))
+    cured = False
+    for change in _changes(scenario.race):
+        tried = Tried(change.name, best.weights, _fly(replace(scenario, race=change.race), world, best.weights, flights))
         if tried.share >= best.share + MATTERS:
-            found = True
-            yield replace(tried.finding, remark=advice, level=Level.NOTE)
-    if not found and slower is not None:
+            cured = cured or change.cures
+            yield replace(tried.finding, remark=change.advice, level=Level.NOTE)
+    if not cured and slower is not None:
         yield from _slow_down(scenario.race, world, best, flights, slower)
 
 
 def _slow_down(race: Race, world: World, best: Tried, flights: int, slower: Callable[[Race], Scenario]) -> Iterator[Finding]:
     """Whether a plan that takes less of the thrust is followed."""
-    share = round(SLOWER * race.planning.thrust_share, 2)
+    share = round(SLOWER * race.planning_model.max_acceleration / race.control_model.max_acceleration, 2)
     calm = race.model_copy(update={"planning": race.planning.model_copy(update={"thrust_share": share})})
     if race.planning.quadrotor is not None or calm.planning_model.thrust_to_weight < BARELY:
         return
@@ -191,28 +191,43 @@ def _slow_down(race: Race, world: World, best: Tried, flights: int, slower: Call
     tried = max(fly_untuned(scenario, world, flights), key=lambda one: (one.share, one.passed))
     if (tried.share, tried.passed) > (best.share + MATTERS, 0) or tried.passed > best.passed + MATTERS:
         value = f"{tried.finding.value}, {percent(tried.passed)} of the gates" if tried.share < SOME else tried.finding.value
-        remark = f"planning.thrust_share = {share:g} in place of {race.planning.thrust_share:g}: {scenario.reference.lap_time:.2f} s"
+        remark = f"planning.thrust_share = {share:g}: {scenario.reference.lap_time:.2f} s"
         yield Finding("with a slower plan", value, remark, Level.NOTE)
 
 
-def _changes(race: Race) -> Iterator[tuple[str, Race, str]]:
-    """What may be in the way, removed: in words, as a race, and what to do about it."""
-    vehicle, model = race.vehicle, race.control_model
-    if abs(unknown_latency(race)) > 1e-9:
-        knowing = race.model_copy(update={"model": model.model_copy(update={"delay": vehicle.delay})})
-        if race.controller.predict:
-            yield "with its dead time known", knowing, f"set model.delay = {vehicle.delay:g}"
-        else:
-            predicting = race.controller.model_copy(update={"predict": True})
-            yield "with its dead time known", knowing.model_copy(update={"controller": predicting}), "set controller.predict = true"
+@dataclass(frozen=True)
+class Change:
+    """Something that may be in the way, removed.
+
+    Attributes:
+        name: in words.
+        race: without it.
+        advice: what to do about it.
+        cures: whether a setting alone removes it.
+    """
+
+    name: str
+    race: Race
+    advice: str
+    cures: bool = False
+
+
+def _changes(race: Race) -> Iterator[Change]:
+    """What may be in the way, one after the other."""
+    vehicle, model, known = race.vehicle, race.control_model, "with its dead time known"
+    if abs(unknown_latency(race)) > 1e-9 and race.controller.predict:
+        told = model.model_copy(update={"delay": vehicle.delay})
+        yield Change(known, race.model_copy(update={"model": told}), f"set model.delay = {vehicle.delay:g}", cures=True)
+    elif abs(unknown_latency(race)) > 1e-9:
+        told = race.controller.model_copy(update={"predict": True})
+        yield Change(known, race.model_copy(update={"model": vehicle, "controller": told}), "set controller.predict = true", cures=True)
     if abs(missing_mass(race)) >= SAME_MASS:
-        weighed = race.model_copy(update={"model": model.model_copy(update={"mass": vehicle.mass})})
-        yield "with its weight known", weighed, f"set model.mass = {vehicle.mass:g}"
-    quick = vehicle.model_copy(
-        update={"rate_gain": tuple(2 * gain for gain in vehicle.rate_gain), "motor_time": tuple(time / 2 for time in vehicle.motor_time)}
-    )
-    yield "with half of its lag", race.model_copy(update={"vehicle": quick}), "quicker motors or a higher rate_gain; else a slower plan"
-    yield "without noise", race.model_copy(update={"noise": _no_noise()}), "the noise of [noise] decides: is it that of your drone?"
+        told = model.model_copy(update={"mass": vehicle.mass})
+        yield Change("with its weight known", race.model_copy(update={"model": told}), f"set model.mass = {vehicle.mass:g}", cures=True)
+    gains, times = (tuple(float(2 * gain) for gain in vehicle.rate_gain), tuple(time / 2 for time in vehicle.motor_time))
+    quick = vehicle.model_copy(update={"rate_gain": gains, "motor_time": times})
+    yield Change("with half of its lag", race.model_copy(update={"vehicle": quick}), "quicker motors or a higher rate_gain would help")
+    yield Change("without noise", race.model_copy(update={"noise": _no_noise()}), "the noise decides: is [noise] that of your drone?")
 
 
 def _no_noise() -> NoiseSettings:
