@@ -1,6 +1,6 @@
 """The equations of motion, once, as CasADi expressions with symbolic physical parameters.
 
-The planner takes `point_mass` and `planning_model` as they are; `flight.compile` turns `node_map`, `linearised_node_map` and
+The planner takes `point_mass`, `planning_model` and `airframe` as they are; `flight.compile` turns `node_map`, `linearised_node_map` and
 `plant_step` into the flight core's code. Change the model here and nowhere else; another model for the controller needs no
 linearisation of its own (`linearisation`, `flight.generic_mpc`).
 Vectors are CasADi columns; conventions are those of `quadrotor.py`.
@@ -13,7 +13,7 @@ from typing import Any
 
 import casadi as ca
 
-from hotlap.dynamics.parameter_layout import AUTOPILOT, DISTURBANCE, MODEL, PLANNING_PARAMETERS, VEHICLE
+from hotlap.dynamics.parameter_layout import AIRFRAME, AUTOPILOT, DISTURBANCE, MODEL, PLANNING_PARAMETERS, VEHICLE
 
 Expression = Any  # casadi.SX; CasADi ships no types
 
@@ -67,6 +67,33 @@ def planning_model() -> ca.Function:
     acceleration = thrust_axis(attitude) * (ca.sum1(thrusts) / mass) - ca.vertcat(0, 0, gravity) - drag * velocity
     derivative = ca.vertcat(velocity, acceleration, quaternion_rate(attitude, rates), angular_acceleration(rates, torques, inertia))
     return ca.Function("planning_model", [state, thrusts, parameters], [derivative])
+
+
+def point_mass_in_air() -> ca.Function:
+    """(state p v, thrust vector per mass, [gravity, drag, quadratic drag]) -> state'; both drags the same in all directions."""
+    state, thrust, parameters = ca.SX.sym("x", 6), ca.SX.sym("u", 3), ca.SX.sym("c", 3)
+    velocity = state[3:]
+    speed = ca.sqrt(ca.dot(velocity, velocity) + LEAST_SPEED**2)
+    acceleration = thrust - ca.vertcat(0, 0, parameters[0]) - (parameters[1] + parameters[2] * speed) * velocity
+    return ca.Function("point_mass_in_air", [state, thrust, parameters], [ca.vertcat(velocity, acceleration)])
+
+
+LEAST_SPEED = 0.1  # m/s, so that a speed can be differentiated at rest
+LEAST_ROTOR = 1e-3  # share of the weight that a rotor carries in hover, so that the square root of its thrust can be differentiated
+
+
+def airframe() -> ca.Function:
+    """(state p v q w, rotor thrusts, `AIRFRAME`) -> state': rigid body with all drags of the vehicle, as the plant flies it."""
+    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", 4), ca.SX.sym("c", sum(AIRFRAME.values()))
+    vehicle = _split(parameters, AIRFRAME)
+    velocity, attitude, rates = state[3:6], state[6:10], state[10:]
+    rotation, least = rotation_matrix(attitude), LEAST_ROTOR * vehicle["mass"] * vehicle["gravity"] / 4
+    speeds = ca.sum1(ca.sqrt(ca.sqrt(thrusts**2 + least**2)))
+    drag = rotation @ _drag(rotation.T @ velocity, speeds, vehicle)
+    acceleration = thrust_axis(attitude) * (ca.sum1(thrusts) / vehicle["mass"]) - vehicle["gravity"] * E3 - drag
+    turn = angular_acceleration(rates, ca.reshape(vehicle["torques"], 4, 3).T @ thrusts, vehicle["inertia"])
+    derivative = ca.vertcat(velocity, acceleration, quaternion_rate(attitude, rates), turn)
+    return ca.Function("airframe", [state, thrusts, parameters], [derivative])
 
 
 E3 = ca.DM([0, 0, 1])

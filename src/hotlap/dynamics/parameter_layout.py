@@ -24,6 +24,9 @@ VEHICLE: Mapping[str, int] = {
 """Physical parameters of the plant: those of `Quadrotor`; torque matrix row by row; motor shares are 1 - exp(-step / motor_time), up
 and down."""
 
+AIRFRAME: Mapping[str, int] = {"mass": 1, "gravity": 1, "inertia": 3, "torques": 12, "drag": 3, "rotor_drag": 1, "body_drag": 3}
+"""Parameters of the vehicle that a plan with all of its drags uses: those of `Quadrotor`; torque matrix row by row."""
+
 AUTOPILOT: Mapping[str, int] = {"mass": 1, "inertia": 3, "mixer": 16}
 """The vehicle as the rate loop knows it; the mixer, row by row, turns (collective thrust, torques) into rotor thrusts."""
 

@@ -44,9 +44,9 @@ def _make(problem: Problem) -> Reference:
     """Plan, sample and extend."""
     from hotlap.planning.planner import find_plan  # noqa: PLC0415  CasADi is not needed for a cached plan
     from hotlap.planning.run_out import extend  # noqa: PLC0415
-    from hotlap.planning.sampling import sample  # noqa: PLC0415
+    from hotlap.planning.sampling import last_acceleration, sample  # noqa: PLC0415
 
     start = time.process_time()
     trajectory = find_plan(problem)
     reference = sample(problem, trajectory, cpu_time=time.process_time() - start)
-    return extend(reference, gravity=problem.quadrotor.gravity, drag=problem.drag)
+    return extend(reference, gravity=problem.quadrotor.gravity, drag=problem.drag, acceleration=last_acceleration(problem, reference))

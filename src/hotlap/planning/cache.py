@@ -32,12 +32,16 @@ MAKE_NO_PLANS = (
     "hotlap.planning.reference_demands",
 )
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
+OF_FULL = {"motor_time", "drag", "rotor_drag", "body_drag", "rate_gain", "torque_damping"}  # what one with all dynamics uses besides
 
 
 def key(problem: Problem) -> str:
     """Thirty-two hexadecimal digits that change whenever the plan could."""
     description = {field.name: getattr(problem, field.name) for field in dataclasses.fields(problem) if field.name != "track"}
-    description["quadrotor"] = problem.quadrotor.model_dump(mode="json", include=OF_QUADROTOR)
+    if not problem.full:
+        del description["dynamics"], description["command_rates"]
+    used = OF_QUADROTOR | OF_FULL if problem.full else OF_QUADROTOR
+    description["quadrotor"] = problem.quadrotor.model_dump(mode="json", include=used)
     description["ramp"] = problem.ramp and problem.ramp.model_dump(mode="json")
     code = digest_sources(*SOURCES, without=MAKE_NO_PLANS)
     versions = [code, version("casadi"), version("numpy"), platform.machine()]

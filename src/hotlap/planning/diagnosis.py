@@ -6,9 +6,8 @@ import numpy as np
 
 from hotlap.core.errors import PlanningError
 from hotlap.planning.ipopt import Solution
-from hotlap.planning.minimum_time import model_parameters
+from hotlap.planning.minimum_time import model_parameters, stage_of
 from hotlap.planning.problem import LONGEST, Problem, Trajectory
-from hotlap.planning.stage import quadrotor_stage
 
 REFINEMENT = 8  # a coarse interval is told by integrating it in so many parts
 
@@ -52,7 +51,7 @@ def refuse_coarse(problem: Problem, plan: Trajectory) -> None:
         PlanningError: where an interval, integrated in finer steps, ends further off than the tolerance.
     """
     states, model = plan.states[:-1].T, model_parameters(problem)
-    step = quadrotor_stage().step.map(len(plan.controls))
+    step = stage_of(problem).step.map(len(plan.controls))
     for _ in range(REFINEMENT):
         states = step(states, plan.controls.T, plan.steps[None] / REFINEMENT, np.tile(model[:, None], len(plan.controls)))
     errors = np.linalg.norm(np.asarray(states).T[:, :3] - plan.states[1:, :3], axis=1)

@@ -6,24 +6,37 @@ import dataclasses
 
 import numpy as np
 
+from hotlap.planning.full_stage import BODY, ROTORS, full_parameters, full_stage_of, limit_start_and_commands, with_rotors
 from hotlap.planning.ipopt import Limits, Solution, solve
 from hotlap.planning.problem import LONGEST, SHORTEST, Floats, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
-from hotlap.planning.stage import ATTITUDE, quadrotor_stage
+from hotlap.planning.stage import ATTITUDE, Stage, quadrotor_stage
 
 RATES = slice(10, 13)  # of the full state
 RAMP_PASSES = 4
 SETTLED = 2e-4  # relative change of the duration from one ramp pass to the next
 
 
+def stage_of(problem: Problem) -> Stage:
+    """The stage that a problem is planned with."""
+    return full_stage_of(problem) if problem.full else quadrotor_stage()
+
+
 def model_parameters(problem: Problem) -> Floats:
-    """Parameters of `planning_model`."""
+    """Parameters of the stage that a problem is planned with."""
+    if problem.full:
+        return full_parameters(problem)
     quadrotor = problem.quadrotor
     return np.concatenate([
         [quadrotor.mass, quadrotor.gravity, problem.drag],
         quadrotor.inertia_vector,
         quadrotor.torque_matrix.ravel(),
     ])  # fmt: skip
+
+
+def rotor_thrusts(problem: Problem, states: Floats, controls: Floats) -> Floats:
+    """Thrusts [N] of the rotors where states and controls are given: the controls, unless the motors lag."""
+    return states[:, ROTORS] if problem.full else controls
 
 
 def plan_quadrotor(problem: Problem, guess: Trajectory, *, barrier: float, iterations: int) -> Solution:
@@ -35,7 +48,7 @@ def plan_quadrotor(problem: Problem, guess: Trajectory, *, barrier: float, itera
         barrier: as in `solve`.
         iterations: likewise.
     """
-    shooting = Shooting(quadrotor_stage(), problem.phases, problem.intervals)
+    shooting = Shooting(stage_of(problem), problem.phases, problem.intervals)
     model = model_parameters(problem)
     passes = 0
     while True:
@@ -68,6 +81,8 @@ def _limited(problem: Problem, guess: Trajectory) -> tuple[Trajectory, Limits]:
     """The guess from the start's state and within the limits, and the limits."""
     quadrotor = problem.quadrotor
     thrust, rates = ramped_limits(problem, guess)
+    if problem.full and guess.states.shape[1] == BODY.stop:
+        guess = with_rotors(problem, guess)
     low, high = np.full(guess.states.shape, -np.inf), np.full(guess.states.shape, np.inf)
     low[:, 2] = problem.floor
     low[:, ATTITUDE], high[:, ATTITUDE] = -1.01, 1.01
@@ -75,10 +90,13 @@ def _limited(problem: Problem, guess: Trajectory) -> tuple[Trajectory, Limits]:
     low[:, RATES] = -high[:, RATES]
     start = np.concatenate([problem.start, np.zeros(3), problem.attitude])  # the first rates are free
     low[0, : len(start)] = high[0, : len(start)] = start
+    if problem.full:
+        limit_start_and_commands(problem, low, high)
     least, largest = np.full(guess.controls.shape, quadrotor.rotor_thrust[0]), np.repeat(thrust[:, None], 4, axis=1)
     margin = 0.01 * (largest - least)
     states = guess.states.copy()
-    states[0, : len(start)] = start
+    fixed = low[0] == high[0]
+    states[0, fixed] = low[0, fixed]
     guess = dataclasses.replace(guess, states=states, controls=np.clip(guess.controls, least + margin, largest - margin))
     ones = np.ones(problem.phases)
     return guess, Limits(Trajectory(SHORTEST * ones, low, least), Trajectory(LONGEST * ones, high, largest), problem.tolerance)

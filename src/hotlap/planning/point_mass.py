@@ -9,7 +9,7 @@ import numpy as np
 from hotlap.planning.ipopt import Limits, Solution, solve
 from hotlap.planning.problem import LONGEST, SHORTEST, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
-from hotlap.planning.stage import point_mass_stage
+from hotlap.planning.stage import point_mass_in_air_stage, point_mass_stage
 from hotlap.planning.warm_start import straight_lines
 
 INTERVALS = 10  # of a phase
@@ -24,8 +24,9 @@ def plan_point_mass(problem: Problem) -> Solution:
     durations, positions, velocities = straight_lines(problem)
     hover = np.tile([0.0, 0.0, quadrotor.gravity], (len(positions) - 1, 1))
     guess = Trajectory(durations, np.hstack([positions, velocities]), hover)
-    shooting = Shooting(point_mass_stage(), problem.phases, INTERVALS, thrust_ball=True)
-    model = np.array([quadrotor.gravity, problem.drag])
+    stage = point_mass_in_air_stage() if problem.full else point_mass_stage()
+    shooting = Shooting(stage, problem.phases, INTERVALS, thrust_ball=True)
+    model = np.array([quadrotor.gravity, problem.drag, *([problem.quadratic_drag] if problem.full else [])])
     return solve(shooting, problem.waypoints, model, guess, _limits(problem, guess), barrier=BARRIER, iterations=ITERATIONS)
 
 

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import PlanningError
+from hotlap.race.flight_performance import top_speed
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.race import Race, Ramp
+from hotlap.race.race import PlanDynamics, Race, Ramp
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +33,8 @@ class Problem:
         quadrotor: the planning model.
         drag: [1/s] its linear drag, isotropic.
         ramp: limits that grow over the first metres, or None.
+        dynamics: what the plan knows of the quadrotor; with "full" the quadrotor's own drags, motors and rate loop count.
+        command_rates: shape (3,) [rad/s] largest rates that the rate loop is asked for, with "full".
     """
 
     track: str
@@ -45,6 +48,8 @@ class Problem:
     quadrotor: Quadrotor
     drag: float
     ramp: Ramp | None
+    dynamics: PlanDynamics
+    command_rates: Floats
 
     @classmethod
     def of(cls, race: Race) -> Problem:
@@ -67,10 +72,17 @@ class Problem:
             tolerance=settings.tolerance,
             floor=-np.inf if floor is None else floor,
             intervals=settings.nodes,
-            quadrotor=race.planning_model,
+            quadrotor=_planned(race),
             drag=race.planning_drag,
             ramp=settings.ramp,
+            dynamics=settings.dynamics,
+            command_rates=settings.rate_share * np.array(race.controller.rates),
         )
+
+    @property
+    def full(self) -> bool:
+        """Whether motors, rate loop and all drags are planned with."""
+        return self.dynamics is PlanDynamics.FULL
 
     @property
     def phases(self) -> int:
@@ -93,11 +105,30 @@ class Problem:
         quadrotor = self.quadrotor
         return float(np.sqrt(quadrotor.max_acceleration**2 - quadrotor.gravity**2))
 
+    @property
+    def top_speed(self) -> float:
+        """[m/s] in level flight with all drags of the quadrotor; infinite where there are none."""
+        return top_speed(self.quadrotor)
+
+    @property
+    def quadratic_drag(self) -> float:
+        """[1/m] isotropic, that makes up for what `drag` lacks at top speed."""
+        fastest = self.top_speed
+        return max((self.level_acceleration / fastest - self.drag) / fastest, 0.0)
+
     def error(self, phase: int, reason: str) -> PlanningError:
         """The failure of one phase: names its gate, or the end."""
         if phase < self.gates:
             return PlanningError(self.track, phase, reason)
         return PlanningError(self.track, None, f"the end: {reason}")
+
+
+def _planned(race: Race) -> Quadrotor:
+    """The planning model; the drag that `planning.v_max` gives stands in place of its linear one."""
+    quadrotor, settings = race.planning_model, race.planning
+    if settings.v_max is None or settings.dynamics is not PlanDynamics.FULL:
+        return quadrotor
+    return quadrotor.model_copy(update={"drag": (race.planning_drag,) * 3})
 
 
 @dataclass(frozen=True)

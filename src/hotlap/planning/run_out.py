@@ -21,7 +21,7 @@ LARGEST_RATE = 8.0  # rad/s, of the thrust axis
 WEIGHTLESS = 1e-3  # m/s^2: below this thrust has no direction
 
 
-def extend(reference: Reference, gravity: float, drag: float) -> Reference:
+def extend(reference: Reference, gravity: float, drag: float, acceleration: Floats | None = None) -> Reference:
     """A reference with its run-out, which replaces whatever lay behind its planned rows.
 
     Position, velocity and acceleration go on without a jump, the attitude turns by the shortest way. The run-out itself has
@@ -31,10 +31,12 @@ def extend(reference: Reference, gravity: float, drag: float) -> Reference:
         reference: planned or read.
         gravity: [m/s^2] of its model.
         drag: [1/s] linear drag of its model.
+        acceleration: shape (3,) [m/s^2] (world) at the last planned row, of a model with other drags. None: by thrust, gravity and drag.
     """
     rows, count = reference.planned_rows, round(RUN_OUT / reference.period)
-    acceleration = reference.thrust[rows - 1] * thrust_axis(reference.attitude[rows - 1]) - drag * reference.velocity[rows - 1]
-    acceleration[2] -= gravity
+    if acceleration is None:
+        acceleration = reference.thrust[rows - 1] * thrust_axis(reference.attitude[rows - 1]) - drag * reference.velocity[rows - 1]
+        acceleration[2] -= gravity
     position, velocity, accelerations = _slow_down(reference, acceleration, count)
     thrusts = accelerations + np.array([0.0, 0.0, gravity])
     attitude, rates = _attitudes(thrusts, reference.attitude[rows - 1], reference.period)

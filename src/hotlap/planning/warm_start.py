@@ -17,7 +17,9 @@ def straight_lines(problem: Problem) -> tuple[Floats, Floats, Floats]:
         Durations (M,) [s]; positions (N + 1, 3) [m] and velocities (N + 1, 3) [m/s] (world), at rest at the first node.
     """
     speed = np.sqrt(0.5 * problem.level_acceleration * np.median(problem.legs)) + 1.0
-    if problem.drag > 0:
+    if problem.full:
+        speed = min(speed, 0.6 * problem.top_speed)
+    elif problem.drag > 0:
         speed = min(speed, 0.6 * problem.level_acceleration / problem.drag)
     durations = np.maximum(problem.legs / speed, SHORTEST_GUESS)
     legs = np.repeat(np.diff(problem.points, axis=0), problem.intervals, axis=0)
