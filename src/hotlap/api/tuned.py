@@ -133,7 +133,14 @@ class TuningResult(Outcome):
         """The keys of `hotlap tune --json`."""
         paths = {"study": str(self.folder), "parameters": str(self.parameters), "report": None if self.report is None else str(self.report)}
         robustness = [_dump_robustness(one) for one in self.robustness]
-        return {**self.result.dump(), "wall_time": self.wall_time, "world": self.world, "first_guess": self.first_guess, "robustness": robustness, **paths}
+        return {
+            **self.result.dump(),
+            "wall_time": self.wall_time,
+            "world": self.world,
+            "first_guess": self.first_guess,
+            "robustness": robustness,
+            **paths,
+        }
 
     def plot(self) -> Figure:
         """Completion and cost over the flights of the search."""
