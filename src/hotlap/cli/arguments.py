@@ -157,8 +157,8 @@ COMMANDS: Mapping[str, Command] = {
     "races": Command("list the built-in races", "List the built-in races and what to expect of them.", _races, ()),
     "check": Command(
         "say what a file means",
-        "Say what a track, quadrotor or race means. A race is planned and flown with weights that nobody has tuned: thrust margins, latency,\n"
-        "lag, limits that bind, how many flights are complete, how the others end, and what would help.",
+        "Say what a track, quadrotor or race means: thrust margins, latency, lag, limits that bind. A race is planned, and flown with weights\n"
+        "that nobody has tuned: how many flights are complete, how the others end, and what would help.",
         _check,
         ("hotlap check my-race.toml", "hotlap check circle-34", "hotlap check my-race.toml --reference mine.csv"),
     ),

@@ -36,6 +36,7 @@ PARAMETERS_FILE = "parameters.toml"  # in a study's folder
 MAX_BYTES = 1_000_000  # a description takes a few thousand
 ANY = "race, track or quadrotor"
 OWN = frozenset({"name", "provenance"})  # keys that a file does not inherit from its base
+LISTS = ("gates", "poles", "spheres", "boxes")  # of tables, in a track
 
 
 TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kind.QUADROTOR: Quadrotor}
@@ -109,7 +110,24 @@ def save(path: str | Path, description: Description) -> None:
     Raises:
         InputError: when the file cannot be written.
     """
-    replace(path, toml_writer.write(description.model_dump(mode="json", exclude_none=True)))
+    replace(path, to_toml(description))
+
+
+def to_toml(description: Description) -> str:
+    """A description with everything that it refers to, as TOML; reading it gives an equal one."""
+    table = description.model_dump(mode="json", exclude_none=True)
+    if isinstance(description, Track):
+        table |= _short_lists(description)
+    elif isinstance(description, Race):
+        table["track"] |= _short_lists(description.track)
+    return toml_writer.write(table, inline_lists=True)
+
+
+def _short_lists(track: Track) -> dict[str, Any]:
+    """Gates and obstacles of a track as a person writes them: only keys that differ from their defaults, a bare point as a list."""
+    lists = {name: [item.model_dump(mode="json", exclude_defaults=True) for item in getattr(track, name)] for name in LISTS}
+    lists["gates"] = [gate["position"] if list(gate) == ["position"] else gate for gate in lists["gates"]]
+    return lists
 
 
 def load_parameters(path: str | Path) -> SavedParameters:

@@ -41,6 +41,7 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
     lengths = np.linalg.norm(legs, axis=1)
     names = ["the start", *(point.name for point in track.route)]
     vast = bool(lengths.max() > FAR)
+    straight = "in straight lines; gates are in metres" if vast else "in straight lines"
     findings = [
         Finding("gates", str(len(track.counted)), "and an end beyond the last one" if track.end is not None else "the last one is the end"),
         Finding(

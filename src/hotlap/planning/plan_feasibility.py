@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.planning.finding import Finding, Level, note_if, warning_if
-from hotlap.planning.reference_demands import Demands, demands
 from hotlap.planning.race_feasibility import thrust_share
+from hotlap.planning.reference_demands import Demands, demands
 from hotlap.race.flight_performance import command_lag
 from hotlap.race.gate import Gate
 from hotlap.race.gate_plane import plane_of

@@ -1,4 +1,4 @@
-"""What a race means before it is planned: what its plan may use, what it leaves to the controller, and what the controller does not know."""
+"""What a race means before it is planned: what its plan may use, what that leaves to the controller, and what that does not know."""
 
 from __future__ import annotations
 
@@ -133,9 +133,7 @@ def _crowded(race: Race) -> list[Finding]:
     if distance <= gap / 2:
         return []
     first, second = sorted((names[i], names[j]), key=lambda name: int(name.split()[1]))
-    remark = (
-        f"from {first} to {second}, where {distance:g} m count as passed: one place passes both; lower judge.distance, or give openings"
-    )
+    remark = f"from {first} to {second}, where {distance:g} m count: one place passes both; lower judge.distance, or give openings"
     return [Finding("gates are close", f"{gap:.2f} m", remark, Level.WARNING)]
 
 

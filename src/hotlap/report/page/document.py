@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation, wilson_interval
-from hotlap.files import toml_writer
-from hotlap.files.descriptions import PARAMETERS_FILE
+from hotlap.files.descriptions import PARAMETERS_FILE, to_toml
 from hotlap.planning.race_feasibility import mistaken
 from hotlap.race.quadrotor import rotor_positions
 from hotlap.race.race import GateRule
@@ -170,7 +169,7 @@ def _configuration(snapshot: Snapshot) -> dict[str, Any]:
         "fingerprint": asked.fingerprint,
         "versions": dict(snapshot.openings[-1][1]) if snapshot.openings else {},
         "opened": [moment for moment, _ in snapshot.openings],
-        "race_toml": toml_writer.write(race.model_dump(mode="json", exclude_none=True)),
+        "race_toml": to_toml(race),
         "settings": {**tuner, **settings},
         "world": asked.world,
         "files": {"study": str(snapshot.folder), "parameters": str(snapshot.folder / PARAMETERS_FILE)},
