@@ -30,10 +30,10 @@ def make_scenario(judge: JudgeSettings | None = None, name: str = "straight") ->
     rows = 701
     position = np.zeros((rows, 3))
     position[:, 0], position[:, 2] = 0.02 * np.arange(rows), 1.0
-    zeros = np.zeros((rows, 3))
+    zeros, velocity = np.zeros((rows, 3)), np.tile([2.0, 0.0, 0.0], (rows, 1))
     attitude = np.tile([1.0, 0.0, 0.0, 0.0], (rows, 1))
     thrust, rotors = np.full(rows, 9.81), np.full((rows, 4), 2.4525)
-    reference = Reference(position, attitude, zeros, zeros, thrust, rotors, gate_times=np.arange(1.0, GATES + 1), duration=float(GATES))
+    reference = Reference(position, attitude, velocity, zeros, thrust, rotors, gate_times=np.arange(1.0, GATES + 1), duration=float(GATES))
     return Scenario(race, reference, Segments(np.array([0.0, 2.5]), (SegmentClass.FLAT, SegmentClass.ASCENT), float(GATES)))
 
 

@@ -10,13 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from hotlap.planning.passages import MissedGateError, find_passages
+from hotlap.planning.passages import MissedGateError, Target, find_passages
 
 TIMES = 0.01 * np.arange(1001)
 
 
 def fly(position: np.ndarray, gates: list[list[float]], distance: float = 1.3) -> np.ndarray:
-    return find_passages(TIMES, position, np.gradient(position, 0.01, axis=0), np.array(gates), distance)
+    targets = [Target(f"gate {k}", np.array(gate), distance) for k, gate in enumerate(gates, 1)]
+    return find_passages(TIMES, position, np.gradient(position, 0.01, axis=0), targets)
 
 
 def eight() -> np.ndarray:
@@ -50,12 +51,12 @@ def test_a_fly_by_is_not_taken_for_the_passage():
 
 
 def test_a_gate_that_is_passed_too_far_away_is_named_with_its_distance():
-    with pytest.raises(MissedGateError, match=r"gate 1: is passed at 1\.50 m; 1\.3 m"):
+    with pytest.raises(MissedGateError, match=r"gate 2: is passed at 1\.50 m; judge\.distance = 1\.3 m is the most"):
         fly(line(), [[3.0, 0.0, 0.0], [7.0, 1.5, 0.0]])
 
 
 def test_a_gate_that_is_passed_only_before_its_turn_is_named():
-    with pytest.raises(MissedGateError, match=r"gate 1: is not passed after gate 0, only before it"):
+    with pytest.raises(MissedGateError, match=r"gate 2: is not passed after gate 1, only before it"):
         fly(line(), [[7.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
 
 

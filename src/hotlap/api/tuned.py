@@ -25,6 +25,7 @@ from hotlap.core.version import __version__
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
 from hotlap.files.parameters_file import Remark, SavedParameters
 from hotlap.planning.race_feasibility import loose_judge
+from hotlap.planning.reference_demands import advice
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
 from hotlap.study.result import Result
@@ -61,6 +62,7 @@ class TuningResult(Outcome):
         robustness: how the parameters fare with vehicles that differ a little; empty where that was not flown.
         again: the command line that flies the parameters; "" where the race has no name.
         wall_time: [s] that one waited for it, planning, compiling and the report included.
+        advice: where the goal was not confirmed with a reference that was read: what of it no weights can make up for.
     """
 
     scenario: Scenario
@@ -73,6 +75,7 @@ class TuningResult(Outcome):
     robustness: tuple[Robustness, ...]
     again: str
     wall_time: float
+    advice: tuple[str, ...] = ()
 
     @property
     def confirmed(self) -> bool:
@@ -133,14 +136,9 @@ class TuningResult(Outcome):
         """The keys of `hotlap tune --json`."""
         paths = {"study": str(self.folder), "parameters": str(self.parameters), "report": None if self.report is None else str(self.report)}
         robustness = [_dump_robustness(one) for one in self.robustness]
-        return {
-            **self.result.dump(),
-            "wall_time": self.wall_time,
-            "world": self.world,
-            "first_guess": self.first_guess,
-            "robustness": robustness,
-            **paths,
-        }
+        about = {"world": self.world, "first_guess": self.first_guess, "robustness": robustness}
+        said = {"notes": list(self.scenario.notes), "advice": list(self.advice)}
+        return {**self.result.dump(), "wall_time": self.wall_time, **about, **said, **paths}
 
     def plot(self) -> Figure:
         """Completion and cost over the flights of the search."""
@@ -165,7 +163,9 @@ def carry_out(asked: Asked) -> TuningResult:
         save_parameters(file, _saved(study, result))
         robustness, report = _report(study, world, asked)
     waited, again, guess = before + time.perf_counter() - begun, _again(asked, folder), str(asked.first_guess)
-    return TuningResult(configuration.scenario, result, world.name, guess, folder, file, report, robustness, again, waited)
+    scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
+    hints = advice(scenario.race, scenario.reference) if told else ()
+    return TuningResult(scenario, result, world.name, guess, folder, file, report, robustness, again, waited, hints)
 
 
 def _configure(asked: Asked) -> tuple[World, Configuration]:

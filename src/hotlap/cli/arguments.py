@@ -124,6 +124,7 @@ def _landscape(parser: Parser) -> None:
     add("--points", type=whole, default=50, metavar="N", help="along each, evenly in logarithms")
     add("--flights", type=whole, default=4, metavar="N", help="at each point, with the same noise at all")
     add("--first-guess", default=DEFAULT, metavar="NAME", help=f"what the other parameters are: {PARAMETERS}")
+    add("--reference", type=path, metavar="FILE", help="read this CSV instead of planning")
     _controller(parser)
     add("--out", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
 
@@ -157,8 +158,8 @@ COMMANDS: Mapping[str, Command] = {
     "races": Command("list the built-in races", "List the built-in races and what to expect of them.", _races, ()),
     "check": Command(
         "say what a file means",
-        "Say what a track, quadrotor or race means: thrust margins, latency, lag, limits that bind. A race is planned, and flown with weights\n"
-        "that nobody has tuned: how many flights are complete, how the others end, and what would help.",
+        "Say what a track, quadrotor or race means: thrust margins, latency, lag, limits that bind. A race is planned, and flown with\n"
+        "weights that nobody has tuned: how many flights are complete, how the others end, and what would help.",
         _check,
         ("hotlap check my-race.toml", "hotlap check circle-34", "hotlap check my-race.toml --reference mine.csv"),
     ),

@@ -44,9 +44,7 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
     straight = "in straight lines; gates are in metres" if vast else "in straight lines"
     findings = [
         Finding("gates", str(len(track.counted)), "and an end beyond the last one" if track.end is not None else "the last one is the end"),
-        Finding(
-            "length", f"{lengths.sum():.0f} m", "in straight lines; gates are in metres" if vast else "in straight lines", note_if(vast)
-        ),
+        Finding("length", f"{lengths.sum():.0f} m", straight, note_if(vast)),
         _heights(track, points[:, 2]),
         _closest(lengths, names),
     ]

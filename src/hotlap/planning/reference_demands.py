@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.planning.attitude import CONJUGATE, rotate
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
@@ -22,6 +23,7 @@ Floats = NDArray[np.float64]
 
 HELD = 0.1  # s for which a thrust has to be held to count: a controller cuts shorter peaks
 FIRST = 0.05  # s that are the first moment
+SUDDEN_SPEED, SUDDEN_RATE = 0.5, 3.0  # m/s and rad/s at the first moment that matter
 FULL = 0.97  # share of the thrust beyond which all of it is asked for
 
 
@@ -94,16 +96,41 @@ def demands(race: Race, reference: Reference) -> Demands:
     )
 
 
+def advice(race: Race, reference: Reference) -> tuple[str, ...]:
+    """What of a reference no weights can make up for, a clause each; none where nothing stands out.
+
+    Args:
+        race: its track, vehicle and controller count.
+        reference: planned or read.
+    """
+    asked, found = demands(race, reference), list[str]()
+    if asked.exhausting:
+        share = max(asked.thrust_share, asked.rotor_share)
+        found.append(f"this reference asks for {share:.0%} of the vehicle's thrust: no tuner will help; fly it slower")
+    thrust, limit = float(reference.thrust[: reference.planned_rows].max()), race.controller.thrust[1]
+    if thrust > limit:
+        found.append(f"it asks for a thrust of up to {thrust:.1f} m/s^2; raise controller.thrust, which allows {limit:g}")
+    for axis, rate, most in zip(("roll", "pitch", "yaw"), asked.rates.tolist(), race.controller.rates, strict=True):
+        if rate > 1.001 * most:
+            found.append(f"it asks for a {axis} rate of up to {rate:.1f} rad/s; raise controller.rates, which allow {most:g}")
+    away = float(np.linalg.norm(reference.velocity[0] - np.array(race.track.start_velocity)))
+    if away > SUDDEN_SPEED:
+        found.append(f"it begins at {asked.first_speed:.1f} m/s; set track.start_velocity, or let it begin as flights do")
+    turning = float(np.linalg.norm(asked.first_rates))
+    if turning > SUDDEN_RATE:
+        found.append(f"it begins with body rates of {turning:.1f} rad/s, which a drone at rest cannot have")
+    return tuple(found)
+
+
 def needed_thrust(vehicle: Quadrotor, reference: Reference) -> Floats:
     """Thrust per mass that the vehicle has to give from each planned row to the next, shape (rows - 1,) [m/s^2]."""
     rows = reference.planned_rows
     velocity, attitude = reference.velocity[:rows], reference.attitude[:rows]
     acceleration = np.diff(velocity, axis=0) / reference.period
     acceleration[:, 2] += vehicle.gravity
-    middle, rotation = (velocity[1:] + velocity[:-1]) / 2, _rotations(attitude[:-1])
-    air = np.einsum("kij,ki->kj", rotation, middle)
-    drag = _drag(vehicle, air, np.linalg.norm(acceleration, axis=1))
-    return np.linalg.norm(acceleration + np.einsum("kij,kj->ki", rotation, drag), axis=1)
+    air = rotate(attitude[:-1] * CONJUGATE, (velocity[1:] + velocity[:-1]) / 2)
+    lost = drag(vehicle, air, np.linalg.norm(acceleration, axis=1))
+    return np.linalg.norm(acceleration + rotate(attitude[:-1], lost), axis=1)
 
 
 def _rotor_share(race: Race, reference: Reference) -> float:
@@ -113,7 +140,7 @@ def _rotor_share(race: Race, reference: Reference) -> float:
     return float(held) / (race.vehicle.rotor_thrust[1] / race.vehicle.mass)
 
 
-def _drag(vehicle: Quadrotor, air: Floats, thrust: Floats) -> Floats:
+def drag(vehicle: Quadrotor, air: Floats, thrust: Floats) -> Floats:
     """Deceleration by all drags (body), shape (rows, 3) [m/s^2]; rotors are taken to give the same thrust.
 
     Args:
@@ -125,17 +152,6 @@ def _drag(vehicle: Quadrotor, air: Floats, thrust: Floats) -> Floats:
     in_plane = air * np.array([1.0, 1.0, 0.0]) * speeds[:, None]
     quadratic = np.array(vehicle.body_drag) * air * np.abs(air)
     return np.array(vehicle.drag) * air + (vehicle.rotor_drag * in_plane + quadratic) / vehicle.mass
-
-
-def _rotations(attitudes: Floats) -> Floats:
-    """Body to world, shape (rows, 3, 3)."""
-    w, x, y, z = attitudes.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.array(rows).transpose(2, 0, 1)
 
 
 def _running_mean(values: Floats, count: int) -> Floats:
