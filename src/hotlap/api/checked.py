@@ -101,6 +101,7 @@ def _describe(race: Race, asked: Asked) -> Iterator[Finding]:
         yield Finding("no plan", "none", str(error), Level.WARNING)
         return
     yield from describe_race(race, scenario.reference.max_speed, planned=planned)
+    yield from (Finding("assumed", file, note.removeprefix(f"{asked.reference}: "), Level.NOTE) for note in scenario.notes)
     yield from describe_flown(race, scenario.reference, file)
     if asked.flights:
         world = worlds.build("built-in")

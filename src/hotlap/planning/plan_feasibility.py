@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hotlap.planning.finding import Finding, Level, note_if, warning_if
 from hotlap.planning.race_feasibility import thrust_share
-from hotlap.planning.reference_demands import Demands, demands
+from hotlap.planning.reference_demands import Demands, advice, demands
 from hotlap.race.flight_performance import command_lag
 from hotlap.race.gate import Gate
 from hotlap.race.gate_plane import plane_of
@@ -37,7 +37,7 @@ def describe_flown(race: Race, reference: Reference, file: str = "") -> tuple[Fi
         *read,
         Finding("lap", f"{reference.lap_time:.2f} s", about),
         *_thrust(race, wanted, file),
-        *(_rates(race, wanted) if file else ()),
+        *(_beyond_weights(race, reference, wanted) if file else ()),
         _first_moment(race, wanted, file),
         *_least_room(race, reference),
         *_directions(race, reference),
@@ -50,19 +50,16 @@ def _thrust(race: Race, wanted: Demands, file: str) -> list[Finding]:
     if not file and not wanted.exhausting and share < thrust_share(race) + ALIKE:
         return []
     remark = "of the vehicle's thrust at most, its own drag included"
-    if wanted.exhausting:
+    if wanted.exhausting and not file:
         late = "no tuner will help" if race.judge.rule is GateRule.CLOCK else "the drone will fall behind its clock"
-        remark += f": {late}; {'fly it slower' if file else 'lower planning.thrust_share or planning.v_max'}"
-    return [Finding("asks for", f"{share:.0%}", remark, warning_if(wanted.exhausting))]
+        remark += f": {late}; lower planning.thrust_share or planning.v_max"
+    return [Finding("asks for", f"{share:.0%}", remark, warning_if(wanted.exhausting and not file))]
 
 
-def _rates(race: Race, wanted: Demands) -> list[Finding]:
-    """Body rates of a reference beyond what the controller may command."""
-    axis = int(wanted.rate_shares.argmax())
-    if not wanted.too_quick:
-        return []
-    remark = f"about body {'xyz'[axis]}, where controller.rates allows {race.controller.rates[axis]:g}: raise it if the drone can do it"
-    return [Finding("rates asked for", f"{wanted.rates[axis]:.1f} rad/s", remark, Level.WARNING)]
+def _beyond_weights(race: Race, reference: Reference, wanted: Demands) -> list[Finding]:
+    """What of a reference no weights can make up for."""
+    level = Level.WARNING if wanted.exhausting or wanted.too_quick else Level.NOTE
+    return [Finding("reference asks", "too much", clause, level) for clause in advice(race, reference)]
 
 
 def _first_moment(race: Race, wanted: Demands, file: str) -> Finding:
