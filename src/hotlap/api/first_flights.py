@@ -13,6 +13,7 @@ from hotlap.api.scenarios import read_guess
 from hotlap.api.wording import count, percent
 from hotlap.core.errors import PlanningError
 from hotlap.core.parameters import Parameters
+from hotlap.core.records import End
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.first_guess.names import DEFAULT, LEARNED
 from hotlap.planning.finding import Finding, Level, note_if
@@ -80,10 +81,10 @@ def describe_flights(scenario: Scenario, world: World, flights: int, slower: Cal
     best = max(tried, key=lambda one: (one.share, one.passed))
     doom = find_doom(scenario, world, tried)
     if doom is not None:
-        yield Finding("no weights", f"0 of {WEIGHTS}", f"drawn at random pass gate 1: {doom.words}", Level.WARNING)
+        yield Finding("random weights", f"0 of {WEIGHTS}", f"pass gate 1: {doom.words}", Level.WARNING)
     room = float(rooms(scenario.race, scenario.reference.position_at(scenario.reference.gate_times)).min())
     yield _error(best, room)
-    yield _difficulty(tried, best, hopeless=doom is not None)
+    yield _difficulty(tried, best, hopeless=doom is not None and doom.crashed)
     if best.share < EASY and room > 0 and not (doom and doom.at_once):
         yield from _advise(scenario, world, best, flights, slower)
 
@@ -97,21 +98,23 @@ def fly_untuned(scenario: Scenario, world: World, flights: int) -> tuple[Tried, 
 
 @dataclass(frozen=True)
 class Doom:
-    """Why no weights can save a race.
+    """A race of which no weights that were tried pass the first gate.
 
     Attributes:
         at_once: whether all flights are over before a controller has done anything.
+        crashed: whether all of them crash: weights are not what they lack.
         words: how they ended.
     """
 
     at_once: bool
+    crashed: bool
     words: str
 
 
 def find_doom(scenario: Scenario, world: World, tried: Sequence[Tried]) -> Doom | None:
-    """Whether no weights can save the flights of a race; None where some do.
+    """How flights with weights drawn at random from all that there are end before the first gate; None where one passes it.
 
-    Told by weights drawn at random from all that there are: flown only where what was tried never passed the first gate.
+    They are flown only where what was tried never passed it.
     """
     if any(one.flown.flights.gates_passed.any() for one in tried):
         return None
@@ -121,7 +124,7 @@ def find_doom(scenario: Scenario, world: World, tried: Sequence[Tried]) -> Doom 
     if flown.flights.gates_passed.any():
         return None
     at_once = bool((flown.flights.end_time <= DEAD).all())
-    return Doom(at_once, f"{', '.join(flown.ends())}{f', all within {DEAD:g} s' if at_once else ''}")
+    return Doom(at_once, bool((flown.flights.end == End.CRASHED).all()), f"{', '.join(flown.ends())}{f', all within {DEAD:g} s' if at_once else ''}")
 
 
 def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
@@ -133,7 +136,9 @@ def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
         weights: shape (S, K), that the search begins with.
     """
     doom = find_doom(scenario, world, [Tried("first guess", weights, _fly(scenario, world, weights, FEW))])
-    return "" if doom is None else f"no weights help as it stands: of {WEIGHTS} drawn at random none passes gate 1 ({doom.words})"
+    if doom is None:
+        return ""
+    return f"{'no weights help as it stands: ' if doom.crashed else ''}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
 
 
 def _fly(scenario: Scenario, world: World, weights: Parameters, flights: int) -> FlightsResult:
