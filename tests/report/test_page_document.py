@@ -17,17 +17,8 @@ from hotlap.files.descriptions import load_race
 from hotlap.race.quadrotor import RotorLayout
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.report.effort import Effort
-from hotlap.report.page.document import (
-    MOST_ROWS,
-    MOST_SAMPLES,
-    dump_scenario,
-    dump_study,
-    dump_trace,
-    number,
-    pack,
-    thin,
-    write_json,
-)
+from hotlap.report.page.document import MOST_SAMPLES, dump_scenario, dump_study, dump_trace, write_json
+from hotlap.report.page.packing import MOST_ROWS, number, pack, thin
 from hotlap.report.page.replay import replay_finished, replay_running
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
@@ -185,8 +176,11 @@ def test_a_study_of_failures_has_a_document(tmp_path, world, goal):
     assert document["sensitivity"]["by_segment"]["shape"] == [2, 5]
 
 
-@pytest.mark.parametrize(("rule", "name"), [(GateRule.CLOCK, "clock"), (GateRule.CLOSEST, "approach"), (GateRule.RELEASED, "approach")])
-def test_the_rule_is_one_of_two(tmp_path, rule, name):
+NAMES = {GateRule.CLOCK: "clock", GateRule.CLOSEST: "approach", GateRule.RELEASED: "approach", GateRule.OPENING: "opening"}
+
+
+@pytest.mark.parametrize(("rule", "name"), NAMES.items())
+def test_the_rule_is_one_of_three(tmp_path, rule, name):
     snapshot = begin(tmp_path, configure(make_scenario(JudgeSettings(rule=rule, fly_on=True))))
     assert dump_study(snapshot, None)["scenario"]["rule"] == name
 

@@ -124,7 +124,9 @@ def find_doom(scenario: Scenario, world: World, tried: Sequence[Tried]) -> Doom 
     if flown.flights.gates_passed.any():
         return None
     at_once = bool((flown.flights.end_time <= DEAD).all())
-    return Doom(at_once, bool((flown.flights.end == End.CRASHED).all()), f"{', '.join(flown.ends())}{f', all within {DEAD:g} s' if at_once else ''}")
+    return Doom(
+        at_once, bool((flown.flights.end == End.CRASHED).all()), f"{', '.join(flown.ends())}{f', all within {DEAD:g} s' if at_once else ''}"
+    )
 
 
 def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
@@ -138,7 +140,9 @@ def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
     doom = find_doom(scenario, world, [Tried("first guess", weights, _fly(scenario, world, weights, FEW))])
     if doom is None:
         return ""
-    return f"{'no weights help as it stands: ' if doom.crashed else ''}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
+    return (
+        f"{'no weights help as it stands: ' if doom.crashed else ''}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
+    )
 
 
 def _fly(scenario: Scenario, world: World, weights: Parameters, flights: int) -> FlightsResult:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from keyword import iskeyword
 from pathlib import Path
 
 from hotlap.api.checking import check
 from hotlap.api.comparing import compare
 from hotlap.api.exporting import export
 from hotlap.api.flying import fly
+from hotlap.api.importing import import_file
 from hotlap.api.planning import plan
 from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
@@ -81,6 +83,10 @@ def _new(parser: Parser) -> None:
     add("name", metavar="NAME", help="what it is called; the file is NAME.toml")
     add("--track", metavar="TRACK", automatic="circle", help="of a race: a built-in track or a TOML file")
     add("--vehicle", metavar="QUADROTOR", automatic="a hummingbird", help="of a race: a built-in quadrotor or a TOML file")
+
+
+def _import(parser: Parser) -> None:
+    add_call(parser, import_file)
 
 
 def _plan(parser: Parser) -> None:
@@ -169,6 +175,14 @@ COMMANDS: Mapping[str, Command] = {
         _new,
         ("hotlap new quadrotor my-drone", "hotlap new race my-race --vehicle my-drone.toml --track circle"),
     ),
+    "import": Command(
+        "read a file of another program",
+        "Write a track or quadrotor from a file of another program as TOML, and say what was assumed and what is not carried over.\n"
+        "Reads files of TOGT-Planner, lsy_drone_racing, rpg_time_optimal, agilicious, Fast-fly, the MRS simulator and drone-models,\n"
+        "Gazebo's SDF, and the URDF of gym-pybullet-drones.",
+        _import,
+        ("hotlap import race_uzh_7g_multiprisma.yaml", "hotlap import params.toml --name cf21B_500 --out my-drone.toml"),
+    ),
     "plan": Command(
         "plan the fastest reference",
         "Plan the minimum-time reference of a race, segment it, and write it for others to read.",
@@ -241,6 +255,11 @@ COMMANDS: Mapping[str, Command] = {
     ),
     "bench": Command("measure the flight core", "Measure how fast the flight core flies on this machine.", _bench, ()),
 }
+
+
+def module_of(command: str) -> str:
+    """The module of a command: its name, unless Python keeps that for itself."""
+    return f"hotlap.cli.{command}{'ing' if iskeyword(command) else ''}"
 
 
 def overview() -> str:

@@ -9,14 +9,14 @@ from hotlap.cli.output import present, table
 from hotlap.files.descriptions import Kind, load_race, names
 from hotlap.planning.race_feasibility import beyond, thrust_share, unknown_latency
 
-HEADER = ("race", "track", "gates", "v_max", "vehicle", "thrust", "latency", "provenance")
-LONGEST = 48  # characters of a provenance
+HEADER = ("race", "track", "gates", "v_max", "vehicle", "rule", "thrust", "latency", "provenance")
+LONGEST = 30  # characters of a provenance
 
 
 def run(options: Namespace) -> int:
     """List them."""
     rows = [_row(name) for name in names(Kind.RACE)]
-    present(as_json=options.json, document={"races": rows}, lines=table([HEADER, *map(_cells, rows)], right=(2, 3, 5, 6)))
+    present(as_json=options.json, document={"races": rows}, lines=table([HEADER, *map(_cells, rows)], right=(2, 3, 6, 7)))
     return 0
 
 
@@ -29,6 +29,7 @@ def _row(name: str) -> dict[str, Any]:
         "gates": len(race.track.counted),
         "v_max": race.planning.v_max,
         "vehicle": race.vehicle.name,
+        "rule": race.judge.rule.value,
         "difficulty": beyond(race) or None,
         "thrust_share": thrust_share(race),
         "unknown_latency": unknown_latency(race),
