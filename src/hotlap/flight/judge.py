@@ -63,17 +63,14 @@ def judge(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float,
         touched, cause, index = _touch(v, i, g, before, now)
     if touched > 1:
         cause = _fault(g, now, error, fastest_rate, v.airborne[i] == 0)
-        if cause != NONE:
-            return _crash(v, i, g, cause, -1, time, now, error)
+    if touched > 1 and cause != NONE:
+        return _crash(v, i, g, cause, index, time, now, error)
     v.mean_error[i] += (error - v.mean_error[i]) / v.ticks[i]
     v.max_error[i] = max(v.max_error[i], error)
-    if touched > 1:
-        return _pass_gates(v, i, g, start, before, time, now)
-    at = between(before, now, touched)
-    moment = start + touched * (time - start)
-    if moment > start and _pass_gates(v, i, g, start, before, moment, at):
-        return True
-    return _crash(v, i, g, cause, index, moment, at, math.nan)
+    if touched <= 1:  # the period ends there
+        time, now = start + touched * (time - start), between(before, now, touched)
+    over = time > start and _pass_gates(v, i, g, start, before, time, now)
+    return over or (cause != NONE and _crash(v, i, g, cause, index, time, now, math.nan))
 
 
 @njit(**INLINE)

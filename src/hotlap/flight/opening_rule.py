@@ -7,7 +7,7 @@ from typing import Any
 
 from numba import njit
 
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import INLINE, INNER
 from hotlap.flight.openings import BALL, meet
 from hotlap.flight.planes import between
 from hotlap.flight.verdicts import FINISHED, FLYING, MISSED, Gates, Verdicts, approach, end_flight, finish
@@ -15,7 +15,7 @@ from hotlap.flight.verdicts import FINISHED, FLYING, MISSED, Gates, Verdicts, ap
 TOUCHING = 1e-9  # m: how far a passage beside a gate lies outside at least
 
 
-@njit(**COMPILE)
+@njit(**INNER)
 def decide_by_openings(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float, now: Any) -> bool:
     """Judge all gates whose windows are open within a period, of which several may be passed; returns whether nothing is left to see.
 
@@ -39,13 +39,13 @@ def decide_by_openings(v: Verdicts, i: int, g: Gates, start: float, before: Any,
     return v.end[i] == FINISHED or (v.end[i] == MISSED and not waiting)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _awaited(v: Verdicts, i: int, k: int) -> bool:
     """Whether gate k is the next one of a flight that has missed none."""
     return v.end[i] == FLYING and v.gates_passed[i] == k
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _through_plane(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: float, before: Any, time: float, now: Any) -> float:
     """Look for a passage of gate k; returns the time from which on the next gate may be passed [s]."""
     o = g.openings
@@ -69,7 +69,7 @@ def _through_plane(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: fl
     return moment
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _near_ball(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: float, before: Any, time: float, now: Any) -> float:
     """Look for a passage of a gate without orientation: its closest approach; returns as `_through_plane`."""
     v.rim_distance[i, k] = v.closest_distance[i, k] + g.openings.sizes[k]
@@ -80,7 +80,7 @@ def _near_ball(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: float,
     return moment
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _count(v: Verdicts, i: int, g: Gates, k: int, moment: float, start: float, before: Any, time: float, now: Any) -> None:
     """Count gate k as passed, and begin to look for the next one."""
     v.gates_passed[i] += 1
@@ -93,7 +93,7 @@ def _count(v: Verdicts, i: int, g: Gates, k: int, moment: float, start: float, b
             approach(v, i, g, following, moment, start, before, time, now)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _entrance(g: Gates, k: int, since: float, start: float, before: Any, time: float, now: Any) -> float:
     """Time at which a straight line that comes into a ball enters it, not before another time [s]."""
     inward, ahead, length = 0.0, 0.0, 0.0
@@ -106,7 +106,7 @@ def _entrance(g: Gates, k: int, since: float, start: float, before: Any, time: f
     return max(since, start + min(max(share, 0.0), 1.0) * (time - start))
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _close(v: Verdicts, i: int, k: int, time: float, now: Any) -> None:
     """The window of gate k has closed: where it was not crossed, its distance is that of the closest approach, and it was missed."""
     if math.isnan(v.rim_distance[i, k]):

@@ -15,7 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from hotlap.core.errors import HotlapError
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import INLINE
 from hotlap.flight.planes import Planes, between, corner_distance, planes_of, reach, rim_distance
 from hotlap.race.gate_plane import GatePlane, plane_of
 from hotlap.race.race import JudgeSettings
@@ -146,7 +146,7 @@ def _none() -> Openings:
 NO_OPENINGS = _none()
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def meet(o: Openings, k: int, entered: Any, worst: Any, before: Any, now: Any) -> Any:
     """Whether a straight line passes the far end of gate k, in a direction that counts.
 
@@ -185,13 +185,13 @@ def meet(o: Openings, k: int, entered: Any, worst: Any, before: Any, now: Any) -
     return share, rim, way, math.sqrt((left - o.places[k, 0]) ** 2 + (up - o.places[k, 1]) ** 2)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _rim_at(o: Openings, k: int, point: Any) -> float:
     """Signed distance of a point (world) from the walls of gate k, with the vehicle's size [m]."""
     return rim_distance(o.planes, k, reach(o.planes, k, 1, point), reach(o.planes, k, 2, point)) + o.sizes[k]
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _follow_tunnel(o: Openings, k: int, entered: Any, worst: Any, before: Any, now: Any, a: float, b: float, way: float) -> None:
     """Remember a drone that enters a tunnel, how near it comes to its walls, and that it has turned back.
 
