@@ -146,7 +146,7 @@ def _crossings(times: Floats, position: Floats, velocity: Floats, target: Target
     rows = np.flatnonzero(forward | backward)
     shares = depth[rows] / (depth[rows] - depth[rows + 1])
     across = points[rows, 1:] + shares[:, None] * (points[rows + 1, 1:] - points[rows, 1:])
-    rim = plane.rim_distance(across) + target.keep
+    rim = np.maximum(plane.rim_distance(across), _worst_inside(plane, points, rows)) + target.keep
     right = np.full(len(rows), fill_value=True) if not plane.one_way else forward[rows]
     inside = rim <= SLACK
     passed = right & inside
@@ -154,6 +154,26 @@ def _crossings(times: Floats, position: Floats, velocity: Floats, target: Target
     costs = ((across - plane.middle[0]) ** 2).sum(axis=1)
     reason = "" if passed.any() else _outside(target, plane, rim, right) or _elsewhere(plane, position, velocity)
     return _Passages(found[passed], costs[passed], reason)
+
+
+def _worst_inside(plane: GatePlane, points: Floats, rows: NDArray[np.intp]) -> Floats:
+    """Largest rim distance on the way through a tunnel, of each crossing of its middle [m]; -inf where it has no depth.
+
+    Args:
+        plane: of the gate.
+        points: shape (rows, 3) [m] (gate).
+        rows: the last ones before each crossing.
+    """
+    within = np.abs(points[:, 0]) <= plane.depth / 2
+    rims, outside = plane.rim_distance(points[:, 1:]), np.flatnonzero(~within)
+    worst = np.full(len(rows), -np.inf)
+    for k, row in enumerate(rows):
+        behind = np.searchsorted(outside, row + 1)  # the flight is within from the last row outside before the crossing
+        last = outside[behind] if behind < len(outside) else len(points)
+        before = np.searchsorted(outside, row, side="right") - 1
+        first = outside[before] + 1 if before >= 0 else 0
+        worst[k] = rims[first:last].max(initial=-np.inf)
+    return worst
 
 
 def _outside(target: Target, plane: GatePlane, rim: Floats, right: NDArray[np.bool_]) -> str:
