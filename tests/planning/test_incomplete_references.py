@@ -384,5 +384,5 @@ def test_rates_that_are_missed_in_a_few_turns_alone_are_missed_all_the_same(tmp_
     columns = dict(zip(("t", *P), np.column_stack([times, times, 0 * times, 0 * times]).T, strict=True))
     columns |= dict(zip((*V, *Q, *W), np.column_stack([np.tile([1, 0, 0], (len(times), 1)), np.zeros((len(times), 7))]).T, strict=True))
     columns = changed(columns, Q, flatness.attitudes_of_angles(angles))
-    with pytest.raises(InputError, match="w_x, w_y, w_z: .* are all zero"):
+    with pytest.raises(InputError, match=r"w_x, w_y, w_z: .* are all zero"):
         read_reference(write(tmp_path / "seldom.csv", columns), RACE)
