@@ -23,9 +23,12 @@ SCALARS = ("duration", "cpu_time", "period")
 SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
 MAKE_NO_PLANS = (
     "hotlap.planning.feasibility",
+    "hotlap.planning.finding",
     "hotlap.planning.passages",
+    "hotlap.planning.plan_feasibility",
     "hotlap.planning.preparation",
     "hotlap.planning.flatness",
+    "hotlap.planning.race_feasibility",
     "hotlap.planning.reference_checks",
     "hotlap.planning.reference_columns",
     "hotlap.planning.reference_csv",

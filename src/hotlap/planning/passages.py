@@ -15,7 +15,7 @@ from hotlap.race.race import GateRule, Race
 Floats = NDArray[np.float64]
 
 GOING_ON = 0.02  # s that a flight goes on behind its last row: that row may lie a hair before the last gate's plane
-SLACK = 1e-3  # m
+SLACK = 0.01  # m that a reference may be beside an opening: as much as its rows and roundings may tell
 STEEP = math.cos(math.radians(75))  # cosine of the angle from a gate's normal below which it is passed sideways
 
 
@@ -183,7 +183,7 @@ def _outside(target: Target, plane: GatePlane, rim: Floats, right: NDArray[np.bo
     near = rim[right]
     if len(near) and near.min() < 2 * plane.room:
         if plane.solid:
-            return f"is passed {near.min():.2f} m outside of what its opening leaves to a vehicle of {target.keep:g} m radius"
+            return f"is passed {near.min():.2f} m outside of what its opening leaves to a vehicle of {target.keep:g} m radius (vehicle.radius)"
         return f"is passed {near.min() + plane.radius:.2f} m from its centre; {target.limit} = {plane.radius:g} m is the most that counts"
     return ""
 
