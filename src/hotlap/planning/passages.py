@@ -43,6 +43,7 @@ class Target:
         limit: what sets it: "judge.distance".
         plane: of an oriented gate; None for a ball.
         keep: [m] to be kept from the rim of a plane's opening.
+        slack: [m] that a passage may be beside it.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Target:
     limit: str = "judge.distance"
     plane: GatePlane | None = None
     keep: float = 0.0
+    slack: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ def targets_of(race: Race) -> tuple[Target, ...]:
         if by_openings and plane is None and gate.radius:
             reach, limit = gate.radius, "the gate's radius"
         keep = race.vehicle.outer_radius if plane is not None and plane.solid else 0.0
-        found.append(Target(point.name, np.array(gate.position), reach, limit, plane, keep))
+        found.append(Target(point.name, np.array(gate.position), reach, limit, plane, keep, SLACK if by_openings else 0.0))
     return tuple(found)
 
 
@@ -133,7 +135,7 @@ def _approaches(times: Floats, position: Floats, velocity: Floats, target: Targe
     shifts = -(offsets * velocity).sum(axis=1) / np.maximum((velocity**2).sum(axis=1), 1e-12)  # foot of the perpendicular
     shifts = np.clip(shifts, least, most)
     misses = np.linalg.norm(offsets + shifts[:, None] * velocity, axis=1)
-    close = misses <= target.reach
+    close = misses <= target.reach + target.slack
     reason = f"is passed at {misses.min():.2f} m; {target.limit} = {target.reach:g} m is the most that counts"
     return _Passages((times[rows] + shifts)[close], misses[close] ** 2, reason)
 
@@ -148,7 +150,7 @@ def _crossings(times: Floats, position: Floats, velocity: Floats, target: Target
     across = points[rows, 1:] + shares[:, None] * (points[rows + 1, 1:] - points[rows, 1:])
     rim = np.maximum(plane.rim_distance(across), _worst_inside(plane, points, rows)) + target.keep
     right = np.full(len(rows), fill_value=True) if not plane.one_way else forward[rows]
-    inside = rim <= SLACK
+    inside = rim <= target.slack
     passed = right & inside
     found = np.minimum(moments[rows] + shares * (moments[rows + 1] - moments[rows]), times[-1])
     costs = ((across - plane.middle[0]) ** 2).sum(axis=1)
@@ -178,12 +180,14 @@ def _worst_inside(plane: GatePlane, points: Floats, rows: NDArray[np.intp]) -> F
 
 def _outside(target: Target, plane: GatePlane, rim: Floats, right: NDArray[np.bool_]) -> str:
     """Why crossings near the opening do not count, in one clause that says what to change; "" where there are none."""
-    if (rim[~right] <= SLACK).any() and not (rim[right] < plane.room).any():
+    if (rim[~right] <= target.slack).any() and not (rim[right] < plane.room).any():
         return 'is passed backwards; turn its yaw by pi, or set its direction to "backward" or "either", if that is the way meant'
     near = rim[right]
     if len(near) and near.min() < 2 * plane.room:
         if plane.solid:
-            return f"is passed {near.min():.2f} m outside of what its opening leaves to a vehicle of {target.keep:g} m radius (vehicle.radius)"
+            return (
+                f"is passed {near.min():.2f} m outside of what its opening leaves to a vehicle of {target.keep:g} m radius (vehicle.radius)"
+            )
         return f"is passed {near.min() + plane.radius:.2f} m from its centre; {target.limit} = {plane.radius:g} m is the most that counts"
     return ""
 
