@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from keyword import iskeyword
 from pathlib import Path
 
+from hotlap.api.checking import check
 from hotlap.api.comparing import compare
 from hotlap.api.exporting import export
 from hotlap.api.flying import fly
@@ -73,7 +74,7 @@ def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
 
 
 def _check(parser: Parser) -> None:
-    parser.add_argument("file", metavar="FILE", help="a TOML file, or the name of a built-in race, track or quadrotor")
+    add_call(parser, check, file=Shown("FILE"))
 
 
 def _new(parser: Parser) -> None:
@@ -163,9 +164,10 @@ COMMANDS: Mapping[str, Command] = {
     "races": Command("list the built-in races", "List the built-in races and what to expect of them.", _races, ()),
     "check": Command(
         "say what a file means",
-        "Say what a track, quadrotor or race means: thrust margins, latency, limits that bind, expected difficulty.",
+        "Say what a track, quadrotor or race means: thrust margins, latency, lag, limits that bind. A race is planned, and flown with\n"
+        "weights that nobody has tuned: how many flights are complete, how the others end, and what would help.",
         _check,
-        ("hotlap check my-race.toml", "hotlap check circle-34"),
+        ("hotlap check my-race.toml", "hotlap check circle-34", "hotlap check my-race.toml --reference mine.csv"),
     ),
     "new": Command(
         "write a file to start from",

@@ -55,7 +55,7 @@ def summarise(tuned: TuningResult, race: str, reference: Path | None = None) -> 
             "completion": f"{percent(result.best.completion)} of the gates, over {count(result.best.flights, 'flight')}",
             "holds in": "" if result.validation is None else share(result.validation),
             "tuner": result.remark,
-            "wall time": seconds(result.wall_time, 1),
+            "wall time": seconds(tuned.wall_time, 1),
             "study": str(tuned.folder),
             "parameters": str(tuned.parameters),
             "report": str(tuned.report or ""),
