@@ -63,6 +63,8 @@ export interface GateShape {
   readonly walls: readonly Table[];
   /** The way in which it is passed; null where both ways count. */
   readonly normal: readonly number[] | null;
+  /** Length of a tunnel. */
+  readonly depth: number;
   readonly reach: number;
   readonly bottom: number;
   readonly top: number;

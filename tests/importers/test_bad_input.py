@@ -26,7 +26,7 @@ HARMFUL = {
     "outside.urdf": ('<!DOCTYPE robot SYSTEM "file:///etc/hostname"><robot/>', "has a document type or entities"),
     "deep.yaml": ("[" * 20_000, "is nested too deeply"),
     "deep.toml": (f"a = {'[' * 5_000}{']' * 5_000}", "is nested too deeply"),
-    "deep.sdf": (f"<sdf>{'<model>' * 3_000}{'</model>' * 3_000}</sdf>", "no model has plugins of motors"),
+    "deep.sdf": (f"<sdf>{'<model>' * 3_000}{'</model>' * 3_000}</sdf>", "is nested too deeply"),
     "long.yaml": (f"mass: {'1' * 5_000}", "is not valid YAML"),
     "large.yaml": ("#" * (documents.MAX_BYTES + 1), "is larger than 0.5 MB"),
     "broken.toml": ("a = [1\n", "is not valid TOML"),

@@ -108,6 +108,27 @@ def test_a_model_that_includes_its_links_is_read_from_the_folder_beside(tmp_path
         read(changed("model/model.sdf", tmp_path))
 
 
+def test_a_model_may_include_one_that_includes_its_links(tmp_path):
+    for name in ("model", "model_base"):
+        (tmp_path / name).mkdir()
+        changed(f"{name}/model.sdf", tmp_path / name)
+    top = tmp_path / "top" / "model.sdf"
+    top.parent.mkdir()
+    words = "<sdf><model name='top'><include merge='true'><uri>model</uri></include>{}</model></sdf>"
+    top.write_text(words.format(""), encoding="utf-8")
+    assert read(top).description.mass == pytest.approx(1.44)
+    top.write_text(words.format("<include><uri>model://top</uri></include>"), encoding="utf-8")
+    with pytest.raises(InputError, match="includes itself"):
+        read(top)
+
+
+def test_rotors_that_lean_and_wings_are_named(tmp_path):
+    wing = "<plugin name='w' filename='libLiftDragPlugin.so'/><model name='gps'>"
+    leaning = read(changed("px4.sdf", tmp_path, ("0.15 0.2 0.02 0 0 0", "0.15 0.2 0.02 0.2 0 0"), ("<model name='gps'>", wing)))
+    assert "rotor axes: tilted by up to 11 deg; ours push along the body's z axis" in leaning.lost
+    assert "plugins of lift and drag: wings" in leaning.lost
+
+
 def test_a_pose_that_stands_on_itself_is_refused(tmp_path):
     round_about = changed("px4.sdf", tmp_path, ("relative_to='base_link'", "relative_to='rotor_0'"))
     with pytest.raises(InputError, match="stands on itself"):

@@ -125,7 +125,7 @@ def test_a_search_that_never_ends_names_the_gate_that_it_misses(monkeypatch):
 
 def test_a_detour_is_refused_unless_another_search_confirms_it(monkeypatch):
     problem, search = Problem.of(small.RACES["drag"]), planner.plan_quadrotor
-    stretch = iter([2.0, 3.0, 2.0, 2.0])
+    stretch = iter([2.0, 3.0, 4.0, 2.0, 2.0])
 
     def slowly(problem, guess, **options):
         solution, factor = search(problem, guess, **options), next(stretch)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from hotlap.files.descriptions import load_quadrotor
-from hotlap.planning.reference_demands import demands
+from hotlap.planning.reference_demands import advice, demands
 from hotlap.race.flight_performance import steady_thrust
 from hotlap.reference.reference import PERIOD, Reference
 from planning import small
@@ -73,3 +75,24 @@ def test_a_flying_start_is_seen_at_the_first_moment():
     found = demands(RACE, level(7.0))
     assert found.first_speed == pytest.approx(7.0)
     assert found.length == pytest.approx(7.0 * found.duration)
+
+
+def test_what_no_weights_make_up_for_is_said():
+    race, _, _, reference = small.planned("ramp")
+    gentle = reference.rates[0] * 0
+    assert advice(race, replace(reference, rates=np.vstack([gentle, reference.rates[1:]]))) == ()
+    weak = race.vehicle.model_copy(update={"rotor_thrust": (0.0, 0.7 * race.vehicle.rotor_thrust[1])})
+    assert any(
+        "of the vehicle's thrust: no tuner will help" in said for said in advice(race.model_copy(update={"vehicle": weak}), reference)
+    )
+    tight = race.controller.model_copy(update={"rates": (1.0, 100.0, 100.0), "thrust": (0.1, 12.0)})
+    said = advice(race.model_copy(update={"controller": tight}), reference)
+    assert any(line.startswith("it asks for a roll rate of up to ") and line.endswith("which allow 1") for line in said)
+    assert not any("pitch rate" in line for line in said)
+    assert any("raise controller.thrust, which allows 12" in line for line in said)
+
+
+def test_a_reference_that_begins_in_flight_is_said():
+    assert any("it begins at 7.0 m/s; set track.start_velocity" in said for said in advice(RACE, level(7.0)))
+    flying = RACE.model_copy(update={"track": RACE.track.model_copy(update={"start_velocity": (7.0, 0.0, 0.0)})})
+    assert not any("it begins at" in said for said in advice(flying, level(7.0)))

@@ -28,7 +28,7 @@ export class Opening {
     shape.frames.forEach(({ values }, end) => this.group.add(band(rims[end], values, palette.quiet, 0.4), hair(values, palette.quiet)));
     for (const { values } of shape.walls) this.group.add(hair(values, palette.quiet));
     if (rims.length > 1) this.group.add(band(rims[0], rims[1], palette.quiet, 0.12));
-    if (shape.normal) this.group.add(...arrow(new Vector3().fromArray([...shape.normal]), shape.reach, palette));
+    if (shape.normal) this.group.add(...arrow(new Vector3().fromArray([...shape.normal]), shape.depth / 2, shape.reach, palette));
   }
 
   /** [m] height just above it. */
@@ -60,9 +60,10 @@ function band(inner: Floats, outer: Floats, colour: string, opacity: number): Me
   return new Mesh(geometry, new MeshBasicMaterial({ color: colour, transparent: true, opacity, side: DoubleSide, depthWrite: false }));
 }
 
-function arrow(way: Vector3, reach: number, palette: Palette): Mesh[] {
-  const tip = way.clone().multiplyScalar(ARROW * reach);
-  const shaft = ribbons([Float32Array.from([0, 0, 0, ...tip.toArray()])], 2, palette.quiet);
+/** From the centre, or from the end of a tunnel. */
+function arrow(way: Vector3, from: number, reach: number, palette: Palette): Mesh[] {
+  const [tail, tip] = [from, from + ARROW * reach].map((length) => way.clone().multiplyScalar(length));
+  const shaft = ribbons([Float32Array.from([...tail.toArray(), ...tip.toArray()])], 2, palette.quiet);
   const head = new Mesh(new ConeGeometry(0.3 * HEAD * reach, HEAD * reach, 10), new MeshBasicMaterial({ color: palette.quiet }));
   head.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), way);
   head.position.copy(tip);

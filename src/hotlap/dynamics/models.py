@@ -70,14 +70,25 @@ def planning_model() -> ca.Function:
 
 
 def point_mass_in_air() -> ca.Function:
-    """(state p v, thrust vector per mass, [gravity, drag, quadratic drag]) -> state'; both drags the same in all directions."""
-    state, thrust, parameters = ca.SX.sym("x", 6), ca.SX.sym("u", 3), ca.SX.sym("c", 3)
-    velocity = state[3:]
-    speed = ca.sqrt(ca.dot(velocity, velocity) + LEAST_SPEED**2)
-    acceleration = thrust - ca.vertcat(0, 0, parameters[0]) - (parameters[1] + parameters[2] * speed) * velocity
-    return ca.Function("point_mass_in_air", [state, thrust, parameters], [ca.vertcat(velocity, acceleration)])
+    """(state p v, thrust vector per mass, `AIRFRAME`) -> state': with the drags of a vehicle whose body z is the direction of its thrust.
+
+    In the plane of the rotors, where a point mass has no heading, drag is the mean of both axes.
+    """
+    state, thrust, parameters = ca.SX.sym("x", 6), ca.SX.sym("u", 3), ca.SX.sym("c", sum(AIRFRAME.values()))
+    vehicle, velocity = _split(parameters, AIRFRAME), state[3:]
+    size = ca.sqrt(ca.dot(thrust, thrust) + LEAST_PUSH**2)
+    axis = thrust / size
+    along = ca.dot(velocity, axis)
+    across = velocity - along * axis
+    level = (vehicle["drag"][0] + vehicle["drag"][1]) / 2 + 2 * ca.sqrt(vehicle["mass"] * size) * vehicle["rotor_drag"] / vehicle["mass"]
+    broad = (vehicle["body_drag"][0] + vehicle["body_drag"][1]) / 2 * ca.sqrt(ca.dot(across, across) + LEAST_SPEED**2)
+    face = vehicle["body_drag"][2] * ca.sqrt(along**2 + LEAST_SPEED**2)
+    drag = (level + broad / vehicle["mass"]) * across + (vehicle["drag"][2] + face / vehicle["mass"]) * along * axis
+    return ca.Function("point_mass_in_air", [state, thrust, parameters], [ca.vertcat(velocity, thrust - vehicle["gravity"] * E3 - drag)])
 
 
+E3 = ca.DM([0, 0, 1])
+LEAST_PUSH = 0.1  # m/s^2, so that a thrust has a direction in free fall
 LEAST_SPEED = 0.1  # m/s, so that a speed can be differentiated at rest
 LEAST_ROTOR = 1e-3  # share of the weight that a rotor carries in hover, so that the square root of its thrust can be differentiated
 
@@ -96,7 +107,6 @@ def airframe() -> ca.Function:
     return ca.Function("airframe", [state, thrusts, parameters], [derivative])
 
 
-E3 = ca.DM([0, 0, 1])
 SERIES_ORDER = 3  # of the entire functions below: good to 1e-6 at a rotation of 1 rad a node, to 3e-4 at 2 rad
 
 

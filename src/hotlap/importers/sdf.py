@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import math
-import re
-from pathlib import Path
-from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.files.kinds import Kind
 from hotlap.importers.bodies import together
-from hotlap.importers.documents import read_document
 from hotlap.importers.imported import Findings, Format
 from hotlap.importers.markup import Markup
 from hotlap.importers.rotors import count_rotors, fill_radius, place_rotors, squared
-from hotlap.importers.sdf_frames import Pose, body_of, links_of, own_pose
-
-Links = dict[str, tuple[Markup, Pose]]
+from hotlap.importers.sdf_frames import Pose, body_of
+from hotlap.importers.sdf_models import Parts, vehicles_of
 
 OF_MOTORS = ("motorConstant", "momentConstant", "maxRotVelocity", "timeConstantUp", "timeConstantDown", "rotorDragCoefficient")
-MODEL = re.compile(r"model://([\w.-]+)/?")
+UPRIGHT = 2.0  # deg: rotor axes that lean less stand upright
 SLANTED = 0.01  # share of the moments that products of inertia may have without a word
 
 
@@ -30,69 +25,27 @@ def _matches(document: Markup) -> bool:
 
 
 def _read(document: Markup, name: str | None) -> Findings:
-    model = _vehicle(document)
-    found = Findings({"name": name or model.name or None})
-    links = _all_links(found, model)
-    motors = _motors(model)
-    centre = _weigh(found, links, model)
-    rotors = [_rotor(motor, links) for motor in motors]
-    place_rotors(found, np.array([pose.position[:2] - centre[:2] for _, pose in rotors]), model.attributes)
-    _thrust(found, motors)
-    radius = rotors[0][0].element.find("collision/geometry/cylinder/radius")
-    if radius is not None:
-        fill_radius(
-            found, Markup(model.file, radius, f"{rotors[0][0].key}.collision.radius").content.number(), "the rotors' collision radius"
-        )
+    parts = next(vehicles_of(document), None)
+    if parts is None:
+        raise document.fault("no model has plugins of motors (motorConstant, momentConstant, maxRotVelocity)")
+    count_rotors(len(parts.motors), parts.model.attributes)
+    found = Findings({"name": name or parts.model.name or None})
+    found.lost += [f"{uri}: what it includes is not in a folder beside this one" for uri in parts.absent]
+    centre = _weigh(found, parts)
+    rotors = [_rotor(motor, parts) for motor in parts.motors]
+    place_rotors(found, np.array([pose.position[:2] - centre[:2] for _, pose in rotors]), parts.model.attributes)
+    _thrust(found, parts.motors)
+    _size(found, rotors[0][0])
+    _tell(found, parts, [pose for _, pose in rotors])
     return found
 
 
-def _vehicle(document: Markup) -> Markup:
-    """The model that has motors."""
-    models = list(document.within("model"))
-    with_motors = [model for model in models if any(plugin.first("motorConstant") is not None for plugin in model.all("plugin"))]
-    if not with_motors:
-        raise document.fault("no model has plugins of motors (motorConstant, momentConstant, maxRotVelocity)")
-    return with_motors[0]
-
-
-def _motors(model: Markup) -> list[Markup]:
-    """The plugins of the four motors."""
-    motors = [plugin for plugin in model.all("plugin") if plugin.first("motorConstant") is not None]
-    count_rotors(len(motors), model.attributes)
-    return motors
-
-
-def _all_links(found: Findings, model: Markup) -> Links:
-    """The links of a model and of those that it includes, which lie in a folder beside its own."""
-    links = links_of(model)
-    for include in model.all("include"):
-        inner = _included(include)
-        if inner is None:
-            found.lost.append(f"{include.one('uri').element.text}: what it includes is not in a folder beside this one")
-            continue
-        name = include.first("name")
-        prefix = "" if include.element.get("merge") == "true" else f"{inner.name if name is None else name.element.text}::"
-        links |= {prefix + link: place for link, place in links_of(inner, own_pose(include)).items()}
-    return links
-
-
-def _included(include: Markup) -> Markup | None:
-    """The model that is included, if it can be found."""
-    named = MODEL.fullmatch((include.one("uri").element.text or "").strip())
-    if named is None:
-        return None
-    folder = Path(include.file).absolute().parent.parent / named[1]
-    file = next((path for path in (folder / "model.sdf", folder / f"{named[1]}.sdf") if path.is_file()), None)
-    root = None if file is None else read_document(file)
-    return Markup(str(file), root).first("model") if isinstance(root, Element) else None
-
-
-def _weigh(found: Findings, links: Links, model: Markup) -> NDArray[np.float64]:
+def _weigh(found: Findings, parts: Parts) -> NDArray[np.float64]:
     """Set mass and inertia; the centre of mass, shape (3,) [m]."""
-    bodies = {name: body_of(*place) for name, place in links.items()}
+    bodies = {name: body_of(*place) for name, place in parts.links.items()}
     weighed = [body for body in bodies.values() if body is not None]
     if not weighed:
-        raise model.fault("none of its links has a mass (inertial)")
+        raise parts.model.fault("none of its links has a mass (inertial)")
     whole = together(weighed)
     moments = np.diag(whole.inertia)
     found.table |= {"mass": whole.mass, "inertia": moments.tolist()}
@@ -103,13 +56,29 @@ def _weigh(found: Findings, links: Links, model: Markup) -> NDArray[np.float64]:
     return whole.centre
 
 
-def _rotor(motor: Markup, links: Links) -> tuple[Markup, Pose]:
+def _rotor(motor: Markup, parts: Parts) -> tuple[Markup, Pose]:
     """The link that a motor turns."""
     name = (motor.one("linkName").element.text or "").strip()
-    known = [name] if name in links else [link for link in links if link.split("::")[-1] == name.split("::")[-1]]
+    known = [link for link in parts.links if link.split("::")[-1] == name.split("::")[-1]]
     if not known:
         raise motor.one("linkName").fault(f"there is no link {name}")
-    return links[known[0]]
+    return parts.links[name if name in known else known[0]]
+
+
+def _size(found: Findings, rotor: Markup) -> None:
+    """Set the radius of the vehicle from the disc that stands for a rotor, where there is one."""
+    radius = rotor.element.find("collision/geometry/cylinder/radius")
+    if radius is not None:
+        fill_radius(found, Markup(rotor.file, radius, f"{rotor.key}.collision").content.number(), "the rotors' collision radius")
+
+
+def _tell(found: Findings, parts: Parts, rotors: list[Pose]) -> None:
+    """Name what a vehicle has that ours have not."""
+    tilt = max(math.degrees(math.acos(min(1.0, max(-1.0, pose.rotation[2, 2])))) for pose in rotors)
+    if tilt > UPRIGHT:
+        found.lost.append(f"rotor axes: tilted by up to {tilt:.0f} deg; ours push along the body's z axis")
+    if any("lift" in plugin.element.get("filename", "").lower() for plugin in parts.plugins):
+        found.lost.append("plugins of lift and drag: wings")
 
 
 def _thrust(found: Findings, motors: list[Markup]) -> None:

@@ -126,6 +126,8 @@ def _prism(entry: Content, kind: str, clearances: dict[str, float]) -> dict:
     rotation = rotation_of(*map(math.radians, entry["rpy"].vector()))
     axes = np.stack([-rotation[:, 2], rotation[:, 1], rotation[:, 0]], axis=1)  # normal, left, up
     gate = {"position": entry["position"].vector(), **angles_of(axes), **SHAPES[kind](entry, margin=False)}
+    if kind == "RectanglePrisma" and math.isclose(abs(gate.get("roll", 0.0)), math.pi):
+        del gate["roll"]  # it looks the same upside down
     length = entry["length"].number() if "length" in entry else 0.0
     if length > SHORTEST_TUNNEL:
         gate["depth"] = length

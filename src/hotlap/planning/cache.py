@@ -35,6 +35,7 @@ MAKE_NO_PLANS = (
     "hotlap.planning.reference_demands",
     "hotlap.planning.reference_frames",
     "hotlap.planning.reference_table",
+    "hotlap.planning.thrust_vectors",
 )
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
 OF_FULL = {"motor_time", "drag", "rotor_drag", "body_drag", "rate_gain", "torque_damping"}  # what one with all dynamics uses besides

@@ -1,8 +1,8 @@
 """Flatness: attitudes, body rates and thrusts that follow from a motion (Mellinger and Kumar, ICRA 2011).
 
-    f = dv/dt + g e3 + R D(R^T v)      what the rotors give, per mass; D: drag
-    z_body = f / |f|,   thrust = |f|   the attitude about z_body is free: a yaw, or none of it is turned
+    z_body = f / |f|,   thrust = |f|
 
+of the thrust vector f (`thrust_vectors`). The turn about z_body is free: it follows a yaw, or there is none.
 Rates are the turns between attitudes, torques follow from rates, and rotor thrusts from both.
 """
 
@@ -11,15 +11,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.planning.attitude import CONJUGATE, continuous, follow_axes, rotate, thrust_axis, turn_rates
-from hotlap.planning.reference_demands import drag
+from hotlap.planning.attitude import continuous, follow_axes, thrust_axis, turn_rates
+from hotlap.planning.thrust_vectors import axes_of
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.race import PlanDynamics, Race
 
 Floats = NDArray[np.float64]
 
-ROUNDS = 6  # of attitude and drag, each of which depends on the other
-WEIGHTLESS = 0.5  # m/s^2: below this thrust has no direction that could be told from noise
 PARALLEL = 0.05  # sine of the angle between heading and thrust axis below which a yaw says nothing
 SMOOTHED = {1: 5, 2: 11}  # rows of the window, by how often something is differentiated
 
@@ -38,36 +35,6 @@ def slopes(values: Floats, period: float, times: int = 1) -> tuple[Floats, ...]:
     return tuple(savgol_filter(values, window, 2, deriv=k, delta=period, axis=0) for k in range(1, times + 1))
 
 
-def thrust_vectors(race: Race, velocity: Floats, acceleration: Floats) -> Floats:
-    """What the rotors of the planning model give along a motion, shape (rows, 3) [m/s^2] (world): with the drag that the race plans with.
-
-    Args:
-        race: its planning model and its `planning.dynamics` count.
-        velocity: shape (rows, 3) [m/s] (world).
-        acceleration: shape (rows, 3) [m/s^2] (world).
-    """
-    quadrotor = race.planning_model
-    weight = acceleration + np.array([0.0, 0.0, quadrotor.gravity])
-    if race.planning.dynamics is PlanDynamics.IDEAL or race.planning.v_max is not None:
-        return weight + race.planning_drag * velocity
-    vectors = weight
-    for _ in range(ROUNDS):
-        attitude = _upright(axes_of(vectors))
-        air = rotate(attitude * CONJUGATE, velocity)
-        vectors = weight + rotate(attitude, drag(quadrotor, air, np.linalg.norm(vectors, axis=1)))
-    return vectors
-
-
-def axes_of(vectors: Floats) -> Floats:
-    """Directions of thrust, shape (rows, 3); in free fall the one before, or the next where there is none before."""
-    norms = np.linalg.norm(vectors, axis=1)
-    known = np.flatnonzero(norms > WEIGHTLESS)
-    if not len(known):
-        return np.tile([0.0, 0.0, 1.0], (len(vectors), 1))
-    nearest = known[np.maximum(np.searchsorted(known, np.arange(len(vectors)), side="right") - 1, 0)]
-    return vectors[nearest] / norms[nearest][:, None]
-
-
 def attitudes_along(vectors: Floats, start: Floats) -> Floats:
     """Attitudes along thrust vectors that never turn about their own z axis, shape (rows, 4).
 
@@ -79,7 +46,7 @@ def attitudes_along(vectors: Floats, start: Floats) -> Floats:
 
 
 def attitudes_with_yaw(vectors: Floats, yaw: Floats) -> Floats:
-    """Attitudes along thrust vectors whose x axis points into a heading, shape (rows, 4).
+    """Attitudes along thrust vectors whose left axis is square to a heading, shape (rows, 4): left = up x (cos yaw, sin yaw, 0).
 
     Where the thrust is level and along the heading, a yaw says nothing: left stays where it was. It keeps its side beyond that, so that
     a loop is flown as one.
@@ -138,14 +105,6 @@ def rotor_thrusts(quadrotor: Quadrotor, thrust: Floats, rates: Floats, period: f
     hover = quadrotor.mass * thrust[:, None] / 4
     deepest = np.maximum(-steering.min(axis=1, keepdims=True), 1e-12)
     return hover + np.minimum(hover / deepest, 1.0) * steering
-
-
-def _upright(axes: Floats) -> Floats:
-    """Attitudes with given z axes, turned there by the shortest way from level, shape (rows, 4)."""
-    x, y, z = axes.T
-    attitudes = np.stack([1 + z, -y, x, np.zeros_like(x)], axis=1)
-    attitudes[z < -1 + 1e-9] = [0.0, 1.0, 0.0, 0.0]
-    return attitudes / np.linalg.norm(attitudes, axis=1, keepdims=True)
 
 
 def _quaternions(matrices: Floats) -> Floats:

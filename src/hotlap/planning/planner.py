@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from hotlap.core.errors import PlanningError
@@ -30,33 +32,53 @@ def find_plan(problem: Problem) -> Trajectory:
 
 
 def _search(problem: Problem) -> Solution:
-    """From the point-mass plan; where that fails or is suspiciously slow, once more from straight lines.
+    """From the point-mass plan; where that fails or is suspiciously slow, once more from straight lines, upright and turned over.
 
-    Slow means caught in a detour. A sluggish quadrotor is slow from wherever it starts: there two plans that agree are taken.
+    Slow means caught in a detour, or upright on the way down. A sluggish quadrotor is slow from wherever it starts: there two plans that
+    agree are taken. Without a plan of the point mass nothing tells what is slow: the best of all is taken.
     """
     mass = plan_point_mass(problem)
-    first = plan_quadrotor(problem, around_point_mass(problem, mass.trajectory), barrier=0.01, iterations=300)
-    if _accepted(first, mass):
-        return first
-    second = plan_quadrotor(problem, hover_along(problem), barrier=0.1, iterations=500)
-    if _accepted(second, mass):
-        return second
-    if first.converged and second.converged and abs(first.trajectory.duration / second.trajectory.duration - 1) < AGREEMENT:
-        return min(first, second, key=lambda solution: solution.trajectory.duration)
-    raise _failure(problem, mass, first, second)
+    found: list[Solution] = []
+    for guess, barrier, iterations in _guesses(problem, mass):
+        found.append(plan_quadrotor(problem, guess, barrier=barrier, iterations=iterations))
+        if mass.converged and _accepted(found[-1], mass):
+            return found[-1]
+        if mass.converged and _confirmed(found):
+            return _fastest(found)
+    if not mass.converged and any(solution.converged for solution in found):
+        return _fastest(found)
+    raise _failure(problem, mass, found)
+
+
+def _guesses(problem: Problem, mass: Solution) -> Iterator[tuple[Trajectory, float, int]]:
+    """Where to search from, with the first barrier and the number of iterations."""
+    yield around_point_mass(problem, mass.trajectory), 0.01, 300
+    yield hover_along(problem), 0.1, 500
+    yield hover_along(problem, inverted=True), 0.1, 500
+
+
+def _confirmed(found: list[Solution]) -> bool:
+    """Whether the last plan agrees with one before it."""
+    last = found[-1]
+    others = [solution.trajectory.duration for solution in found[:-1] if solution.converged]
+    return last.converged and any(abs(duration / last.trajectory.duration - 1) < AGREEMENT for duration in others)
+
+
+def _fastest(found: list[Solution]) -> Solution:
+    """The shortest plan of those that converged."""
+    return min((solution for solution in found if solution.converged), key=lambda solution: solution.trajectory.duration)
 
 
 def _accepted(solution: Solution, mass: Solution) -> bool:
-    """Converged, and not much slower than the point mass (where that has a plan)."""
-    return solution.converged and (not mass.converged or solution.trajectory.duration < SLOWER * mass.trajectory.duration + LATER)
+    """Converged, and not much slower than the point mass."""
+    return solution.converged and solution.trajectory.duration < SLOWER * mass.trajectory.duration + LATER
 
 
-def _failure(problem: Problem, mass: Solution, first: Solution, second: Solution) -> PlanningError:
+def _failure(problem: Problem, mass: Solution, found: list[Solution]) -> PlanningError:
     """The error for a search without result: the point mass shows best what is impossible for any drone."""
-    failed = next((solution for solution in (mass, second, first) if not solution.converged), None)
-    if failed is not None and not any(solution.converged for solution in (first, second)):
-        return describe(problem, failed)
-    best = min((solution for solution in (first, second) if solution.converged), key=lambda solution: solution.trajectory.duration)
+    if not any(solution.converged for solution in found):
+        return describe(problem, next(solution for solution in (mass, *reversed(found)) if not solution.converged))
+    best = _fastest(found)
     phase = int(np.argmax(best.trajectory.durations - mass.trajectory.durations))
-    found, wanted = best.trajectory.durations[phase], mass.trajectory.durations[phase]
-    return problem.error(phase, f"found only a detour of {found:.2f} s, where a point mass takes {wanted:.2f} s")
+    took, wanted = best.trajectory.durations[phase], mass.trajectory.durations[phase]
+    return problem.error(phase, f"found only a detour of {took:.2f} s, where a point mass takes {wanted:.2f} s")

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from hotlap.planning.full_stage import airframe_parameters
 from hotlap.planning.ipopt import Limits, Solution, solve
 from hotlap.planning.problem import LONGEST, SHORTEST, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
@@ -14,20 +15,31 @@ from hotlap.planning.warm_start import straight_lines
 
 INTERVALS = 10  # of a phase
 THRUST_SHARE = 0.99  # of the quadrotor's, so that it can turn as well
+UPRIGHT, TILTED = (0.0, 0.0, 1.0), (0.3, 0.2, 1.0)  # first thrusts, in units of the weight
 BARRIER, ITERATIONS = 0.1, 200
 
 
 def plan_point_mass(problem: Problem) -> Solution:
-    """The fastest way for a point mass: states (position, velocity), controls thrust per mass (world)."""
+    """The fastest way for a point mass: states (position, velocity), controls thrust per mass (world).
+
+    A thrust that begins upright never leaves the vertical on a vertical track, where the best may lie upside down: a search that does
+    not end is repeated from a thrust that is tilted.
+    """
+    solution = _plan(problem, UPRIGHT, ITERATIONS)
+    return solution if solution.converged else _plan(problem, TILTED, 2 * ITERATIONS)
+
+
+def _plan(problem: Problem, thrust: tuple[float, float, float], iterations: int) -> Solution:
+    """The plan from straight lines with a constant thrust, in units of the weight (world)."""
     problem = dataclasses.replace(problem, intervals=INTERVALS)
     quadrotor = problem.quadrotor
     durations, positions, velocities = straight_lines(problem)
-    hover = np.tile([0.0, 0.0, quadrotor.gravity], (len(positions) - 1, 1))
-    guess = Trajectory(durations, np.hstack([positions, velocities]), hover)
+    thrusts = np.tile(quadrotor.gravity * np.array(thrust), (len(positions) - 1, 1))
+    guess = Trajectory(durations, np.hstack([positions, velocities]), thrusts)
     stage = point_mass_in_air_stage() if problem.full else point_mass_stage()
     shooting = Shooting(stage, problem.phases, INTERVALS, thrust_ball=True)
-    model = np.array([quadrotor.gravity, problem.drag, *([problem.quadratic_drag] if problem.full else [])])
-    return solve(shooting, problem.waypoints, model, guess, _limits(problem, guess), barrier=BARRIER, iterations=ITERATIONS)
+    model = airframe_parameters(quadrotor) if problem.full else np.array([quadrotor.gravity, problem.drag])
+    return solve(shooting, problem.waypoints, model, guess, _limits(problem, guess), barrier=BARRIER, iterations=iterations)
 
 
 def _limits(problem: Problem, guess: Trajectory) -> Limits:

@@ -110,12 +110,6 @@ class Problem:
         """[m/s] in level flight with all drags of the quadrotor; infinite where there are none."""
         return top_speed(self.quadrotor)
 
-    @property
-    def quadratic_drag(self) -> float:
-        """[1/m] isotropic, that makes up for what `drag` lacks at top speed."""
-        fastest = self.top_speed
-        return max((self.level_acceleration / fastest - self.drag) / fastest, 0.0)
-
     def error(self, phase: int, reason: str) -> PlanningError:
         """The failure of one phase: names its gate, or the end."""
         if phase < self.gates:

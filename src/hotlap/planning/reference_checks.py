@@ -28,6 +28,7 @@ SPAN = 0.05  # s over which columns are compared
 FOREIGN = 0.5  # relative difference from which columns do not belong to each other
 LIKE = 0.25  # relative difference up to which something is taken for the cause
 AT_REST, UNTURNED = 0.1, 0.2  # m/s and rad/s: differences that prove nothing
+SMOOTHED = 10  # rows
 MOST_YAW = 8 * math.pi  # rad: more than anyone turns about the vertical without counting in degrees
 MIRRORED = np.array([1.0, -1.0, -1.0])
 MIRRORED_TURN = np.array([1.0, 1.0, -1.0, -1.0])
@@ -164,20 +165,18 @@ def _rate_guesses(table: Table, stride: int) -> Iterator[tuple[str, Floats]]:
                 yield f"look like rates {' '.join(filter(None, (unit, frame)))}", factor * _means(times, turned, stride)
 
 
-def explains(source: str, attitude: Floats, velocity: Floats, acceleration: Floats, gravity: float) -> None:
+def check_axes(source: str, attitude: Floats, vectors: Floats) -> None:
     """Refuse attitudes whose thrust axis does not point where the accelerations need it.
 
     Args:
         source: the file, for messages.
-        attitude: shape (rows, 4).
-        velocity: shape (rows, 3) [m/s] (world).
-        acceleration: shape (rows, 3) [m/s^2] (world).
-        gravity: [m/s^2].
+        attitude: shape (rows, 4), every 10 ms.
+        vectors: shape (rows, 3) [m/s^2] (world) that the rotors have to give.
 
     Raises:
         InputError: naming the columns, their frame, and what they look like.
     """
-    misfit = _axis_misfit(attitude, velocity, acceleration, gravity)
+    misfit = axis_misfit(attitude, vectors)
     if misfit <= LIKE:
         return
     guesses = {
@@ -185,28 +184,37 @@ def explains(source: str, attitude: Floats, velocity: Floats, acceleration: Floa
         "look as if they were from world to body": attitude * CONJUGATE,
         "look as if y and z had the other sign (z down)": attitude * MIRRORED_TURN,
     }
-    fits = {words: _axis_misfit(guess, velocity, acceleration, gravity) for words, guess in guesses.items()}
+    fits = {words: axis_misfit(guess, vectors) for words, guess in guesses.items()}
     best = min(fits, key=fits.__getitem__)
     looks = best if fits[best] < min(LIKE, misfit / 2) else f"do not explain the accelerations of v_x, v_y, v_z ({100 * misfit:.0f} % off)"
     reason = f"quaternions (w, x, y, z) from body to world, z up, whose z axis is that of the thrust; these {looks}"
     raise InputError(source, "q_w, q_x, q_y, q_z", f"are {reason}; correct them, {LEAVE_OUT} accelerations")
 
 
-def drag_of(attitude: Floats, velocity: Floats, acceleration: Floats, gravity: float) -> float:
-    """Linear drag [1/s] that lets attitudes explain accelerations best: least squares across the thrust axis."""
-    needed, speed = _across(attitude, acceleration + np.array([0, 0, gravity])), _across(attitude, velocity)
+def drag_of(attitude: Floats, velocity: Floats, weight: Floats) -> float:
+    """Linear drag [1/s] that lets attitudes explain a motion best: least squares across the thrust axis.
+
+    Args:
+        attitude: shape (rows, 4).
+        velocity: shape (rows, 3) [m/s] (world).
+        weight: shape (rows, 3) [m/s^2] (world) accelerations and gravity, which thrust and drag make together.
+    """
+    needed, speed = _across(attitude, weight), _across(attitude, velocity)
     squares = float((speed**2).sum())
     return max(-float((needed * speed).sum()) / squares, 0.0) if squares > 1e-9 else 0.0
 
 
-def _axis_misfit(attitude: Floats, velocity: Floats, acceleration: Floats, gravity: float) -> float:
-    """Median share of the needed thrust that lies across the thrust axis, or all of it where it points the other way."""
-    drag = drag_of(attitude, velocity, acceleration, gravity)
-    needed = acceleration + np.array([0, 0, gravity]) + drag * velocity
-    along = (needed * thrust_axis(attitude)).sum(axis=1)
-    sizes = np.linalg.norm(needed, axis=1)
-    across = np.linalg.norm(_across(attitude, needed), axis=1)
-    return float(np.median(np.where(along < 0, sizes, across)) / max(float(np.median(sizes)), 1e-9))
+def axis_misfit(attitude: Floats, vectors: Floats) -> float:
+    """Share of thrust vectors that lies across the thrust axis, or all of one that points the other way; the worst tenth apart.
+
+    Means over 100 ms are compared, so that measured values pass.
+    """
+    kernel = np.full(SMOOTHED, 1 / SMOOTHED)
+    axes, needed = (np.stack([np.convolve(one, kernel, "valid") for one in rows.T], axis=1) for rows in (thrust_axis(attitude), vectors))
+    axes = axes / np.maximum(np.linalg.norm(axes, axis=1, keepdims=True), 1e-9)
+    along, squares = (needed * axes).sum(axis=1), (needed**2).sum(axis=1)
+    across = np.sort(np.where(along < 0, squares, squares - along**2))
+    return math.sqrt(across[: max(1, int(0.9 * len(across)))].mean() / max(float(squares.mean()), 1e-9))
 
 
 def _across(attitude: Floats, vectors: Floats) -> Floats:

@@ -20,10 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.planning import flatness
-from hotlap.planning.attitude import CONJUGATE, product, rotate, thrust_axis
-from hotlap.planning.reference_checks import check_angles, check_columns, check_times, drag_of, explains, foreign_acceleration
+from hotlap.planning.attitude import product, thrust_axis
+from hotlap.planning.reference_checks import (
+    axis_misfit,
+    check_angles,
+    check_axes,
+    check_columns,
+    check_times,
+    drag_of,
+    foreign_acceleration,
+)
 from hotlap.planning.reference_columns import GROUPS, WHOLE
-from hotlap.planning.reference_demands import drag as drag_per_mass
 from hotlap.planning.reference_frames import between, in_track_frame
 from hotlap.planning.reference_table import (
     ACCELERATION,
@@ -39,6 +46,7 @@ from hotlap.planning.reference_table import (
     without_repeated,
 )
 from hotlap.planning.run_out import extend
+from hotlap.planning.thrust_vectors import planned_thrust
 from hotlap.race.race import PlanDynamics, Race
 from hotlap.reference.reference import PERIOD, Reference, row_times
 from hotlap.system.text_files import replace
@@ -187,11 +195,13 @@ def _derive(table: Table, race: Race, values: Floats, fitted: tuple[float, float
         acceleration = values[:, ACCELERATION]
     velocity, weight = values[:, VELOCITY], np.array([0.0, 0.0, gravity])
     if table.has("attitude"):
-        explains(table.source, values[:, ATTITUDE], velocity, acceleration, gravity)
-        drag = drag_of(values[:, ATTITUDE], velocity, acceleration, gravity)
-        vectors = acceleration + weight + drag * velocity
+        attitude = values[:, ATTITUDE]
+        drag = drag_of(attitude, velocity, acceleration + weight)
+        known, fitted_vectors = planned_thrust(race, velocity, acceleration, attitude), acceleration + weight + drag * velocity
+        vectors = min(known, fitted_vectors, key=lambda vectors: axis_misfit(attitude, vectors))
+        check_axes(table.source, attitude, vectors)
     else:
-        drag, vectors = race.planning_drag, flatness.thrust_vectors(race, velocity, acceleration)
+        drag, vectors = race.planning_drag, planned_thrust(race, velocity, acceleration)
         table, values[:, ATTITUDE] = _attitudes(table, race, vectors, values[:, YAW])
     if not table.has("rates"):
         values[:, RATES] = flatness.rates_of(values[:, ATTITUDE], PERIOD)
@@ -225,8 +235,10 @@ def _fit(table: Table, race: Race) -> tuple[float, float] | None:
     accelerations = np.diff(values[:, VELOCITY], axis=0) / np.diff(values[:, TIME])[:, None] + np.array([0, 0, model.gravity])
     axes, velocity = thrust_axis(values[:, ATTITUDE]), values[:, VELOCITY]
     pushes = (axes[1:] + axes[:-1]) / 2 * values[:-1, THRUSTS].sum(axis=1)[:, None]
-    if race.planning.dynamics is PlanDynamics.FULL and _explained(accelerations, pushes / model.mass - _lost(table, race)):
-        return model.mass, race.planning_drag
+    if race.planning.dynamics is PlanDynamics.FULL:
+        weight, middle = np.array([0.0, 0.0, model.gravity]), (velocity[1:] + velocity[:-1]) / 2
+        if _explained(planned_thrust(race, middle, accelerations - weight, values[:-1, ATTITUDE]), pushes / model.mass):
+            return model.mass, race.planning_drag
     columns = np.stack([pushes.ravel(), -(velocity[1:] + velocity[:-1]).ravel() / 2], axis=1)
     inverse_mass, drag = np.linalg.lstsq(columns, accelerations.ravel(), rcond=None)[0]
     if not (inverse_mass > 0 and _explained(accelerations, (columns @ [inverse_mass, drag]).reshape(-1, 3))):
@@ -239,14 +251,6 @@ def _explained(accelerations: Floats, found: Floats) -> bool:
     """Whether half of the rows are explained well enough."""
     misfits = np.linalg.norm(accelerations - found, axis=1)
     return bool(np.median(misfits) < WORST_FIT * np.median(np.linalg.norm(accelerations, axis=1)))
-
-
-def _lost(table: Table, race: Race) -> Floats:
-    """What all drags of the planning model take from row to row, shape (rows - 1, 3) [m/s^2] (world)."""
-    values, model = table.values, race.planning_model
-    attitude, velocity = values[:-1, ATTITUDE], (values[1:, VELOCITY] + values[:-1, VELOCITY]) / 2
-    thrust = values[:-1, THRUSTS].sum(axis=1).clip(0.0) / model.mass
-    return rotate(attitude, drag_per_mass(model, rotate(attitude * CONJUGATE, velocity), thrust))
 
 
 def _resample(times: Floats, values: Floats, at: Floats) -> Floats:

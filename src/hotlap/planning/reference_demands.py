@@ -4,7 +4,7 @@ The vehicle has drags of its own, of which a reference need not know. What it ha
 
     f = dv/dt + g e3 + R D(R^T v),
 
-of the reference's acceleration and the vehicle's drag per mass D at the reference's attitude. Its length is the thrust per mass.
+of the reference's acceleration and the vehicle's drag per mass D. Its length is the thrust per mass.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.planning.attitude import CONJUGATE, rotate
+from hotlap.planning.thrust_vectors import with_drag
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
@@ -123,14 +123,13 @@ def advice(race: Race, reference: Reference) -> tuple[str, ...]:
 
 
 def needed_thrust(vehicle: Quadrotor, reference: Reference) -> Floats:
-    """Thrust per mass that the vehicle has to give from each planned row to the next, shape (rows - 1,) [m/s^2]."""
-    rows = reference.planned_rows
-    velocity, attitude = reference.velocity[:rows], reference.attitude[:rows]
+    """Thrust per mass that the vehicle has to give from each planned row to the next, shape (rows - 1,) [m/s^2].
+
+    It is free to tilt as its own drags need it; the attitudes of the reference do not count.
+    """
+    velocity = reference.velocity[: reference.planned_rows]
     acceleration = np.diff(velocity, axis=0) / reference.period
-    acceleration[:, 2] += vehicle.gravity
-    air = rotate(attitude[:-1] * CONJUGATE, (velocity[1:] + velocity[:-1]) / 2)
-    lost = drag(vehicle, air, np.linalg.norm(acceleration, axis=1))
-    return np.linalg.norm(acceleration + rotate(attitude[:-1], lost), axis=1)
+    return np.linalg.norm(with_drag(vehicle, (velocity[1:] + velocity[:-1]) / 2, acceleration), axis=1)
 
 
 def _rotor_share(race: Race, reference: Reference) -> float:
@@ -138,20 +137,6 @@ def _rotor_share(race: Race, reference: Reference) -> float:
     thrusts = reference.rotor_thrusts[: reference.planned_rows] / race.planning_model.mass
     held = max(_running_mean(rotor, round(HELD / reference.period)).max() for rotor in thrusts.T)
     return float(held) / (race.vehicle.rotor_thrust[1] / race.vehicle.mass)
-
-
-def drag(vehicle: Quadrotor, air: Floats, thrust: Floats) -> Floats:
-    """Deceleration by all drags (body), shape (rows, 3) [m/s^2]; rotors are taken to give the same thrust.
-
-    Args:
-        vehicle: whose drags.
-        air: shape (rows, 3) [m/s] (body) velocity.
-        thrust: shape (rows,) [m/s^2] about what the rotors give.
-    """
-    speeds = 2 * np.sqrt(vehicle.mass * thrust)  # sum of the square roots of four equal thrusts
-    in_plane = air * np.array([1.0, 1.0, 0.0]) * speeds[:, None]
-    quadratic = np.array(vehicle.body_drag) * air * np.abs(air)
-    return np.array(vehicle.drag) * air + (vehicle.rotor_drag * in_plane + quadratic) / vehicle.mass
 
 
 def _running_mean(values: Floats, count: int) -> Floats:

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 
 from hotlap.dynamics.models import planning_model, point_mass, point_mass_in_air
-from hotlap.dynamics.parameter_layout import PLANNING_PARAMETERS
+from hotlap.dynamics.parameter_layout import AIRFRAME, PLANNING_PARAMETERS
 
 ATTITUDE = slice(6, 10)  # of the full state
 SUBSTEPS = 2  # of the quadrotor, in an interval
@@ -46,8 +46,8 @@ def point_mass_stage() -> Stage:
 
 @cache
 def point_mass_in_air_stage() -> Stage:
-    """A point mass: parameters are gravity, linear and quadratic drag."""
-    return _derive(point_mass_in_air(), 3, substeps=1, finish=lambda state: state)
+    """A point mass: parameters are those of `AIRFRAME`."""
+    return _derive(point_mass_in_air(), sum(AIRFRAME.values()), substeps=1, finish=lambda state: state)
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hotlap.planning.attitude import follow_axes, turn_rates
+from hotlap.planning.attitude import follow_axes, product, turn_rates
 from hotlap.planning.problem import Floats, Problem, Trajectory
 
 SHORTEST_GUESS = 0.1  # s, of a phase
@@ -28,11 +28,13 @@ def straight_lines(problem: Problem) -> tuple[Floats, Floats, Floats]:
     return durations, positions, np.vstack([np.zeros(3), velocities])
 
 
-def hover_along(problem: Problem) -> Trajectory:
-    """Straight lines of the full quadrotor, in the attitude of the start, with the thrust of hover."""
+def hover_along(problem: Problem, *, inverted: bool = False) -> Trajectory:
+    """Straight lines of the full quadrotor with the thrust of hover, in the attitude of the start or turned over from it."""
     durations, positions, velocities = straight_lines(problem)
     quadrotor, count = problem.quadrotor, len(positions)
     attitudes, rates = np.tile(problem.attitude, (count, 1)), np.zeros((count, 3))
+    if inverted:
+        attitudes[1:] = product(problem.attitude, np.array([0.0, 1.0, 0.0, 0.0]))  # half a turn about body x
     thrusts = np.full((count - 1, 4), quadrotor.mass * quadrotor.gravity / 4)
     return Trajectory(durations, np.hstack([positions, velocities, attitudes, rates]), thrusts)
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.report.scene import Scene
-from hotlap.report.structures import GateShape, box_lines, obstacle_lines
+from hotlap.report.structures import BARB, SPREAD, GateShape, box_lines, obstacle_lines
 
 Floats = NDArray[np.float64]
 
@@ -216,11 +216,14 @@ def standing_lines(scene: Scene) -> tuple[Floats, ...]:
 
 def _opening_lines(shape: GateShape) -> tuple[Floats, ...]:
     """Rims, walls and arrow of an opening; () for a point or a ball."""
-    if shape.plane is None or shape.normal is None:
+    length = ARROW * shape.reach
+    arrow = shape.arrow(length)
+    if shape.plane is None or arrow is None:
         return (*shape.rims, *shape.walls)
-    tip = shape.centre + ARROW * shape.reach * shape.normal
-    barbs = [tip - 0.4 * ARROW * shape.reach * (shape.normal + side * shape.plane.rotation[:, 1] / 2) for side in (1, -1)]
-    return (*shape.rims, *shape.walls, np.stack([shape.centre, tip, barbs[0], tip, barbs[1]]))
+    left, _ = shape.plane.rotation[:, 1:].T
+    tail, tip = arrow
+    barbs = [tip - BARB * (tip - tail) + side * SPREAD * BARB * length * left for side in (1, -1)]
+    return (*shape.rims, *shape.walls, np.stack([tail, tip, barbs[0], tip, barbs[1]]))
 
 
 def ground_level(scene: Scene) -> float:

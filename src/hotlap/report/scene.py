@@ -105,6 +105,7 @@ class Scene:
         gates: shape (M, 3) [m] (world).
         distance: [m] from its centre within which a gate without size is passed.
         structures: gates as they are drawn, obstacles, box.
+        rule: when a gate counts as passed.
         traces: flights recorded in full, the most important first.
         repeats: all flights with the same parameters as the traces.
     """
@@ -115,6 +116,7 @@ class Scene:
     gates: Floats
     distance: float
     structures: Structures
+    rule: GateRule
     traces: tuple[Trace, ...] = ()
     repeats: tuple[Repeats, ...] = ()
 
@@ -141,7 +143,7 @@ def stage(scenario: Scenario, traces: tuple[Trace, ...] = (), repeats: tuple[Rep
     """The scene of a scenario, with flights where there are any."""
     race, distance = scenario.race, scenario.race.judge.distance
     gates, structures = race.track.gate_positions, structures_of(race.track, distance)
-    return Scene(race.name, scenario.reference, scenario.segments, gates, distance, structures, traces, repeats)
+    return Scene(race.name, scenario.reference, scenario.segments, gates, distance, structures, race.judge.rule, traces, repeats)
 
 
 def trace(scenario: Scenario, flights: Flights, index: int, label: str) -> Trace:

@@ -78,8 +78,8 @@ class GateShape:
 
     @property
     def reach(self) -> float:
-        """[m] from its centre to the farthest point of the opening."""
-        return self.radius if self.plane is None else float(np.linalg.norm(np.vstack(self.rims) - self.centre, axis=1).max())
+        """[m] from its centre to the farthest point of the opening, without the length of a tunnel."""
+        return self.radius if self.plane is None else float(np.linalg.norm(self.plane.outline() - self.centre, axis=1).max())
 
     @property
     def bounds(self) -> Floats:
@@ -99,8 +99,14 @@ class GateShape:
         return replace(self, plane=replace(plane, **grown))
 
     def arrow(self, length: float) -> Floats | None:
-        """A line along the normal from the centre, of a length [m], shape (2, 3) [m] (world); None where both ways count."""
-        return None if self.normal is None else np.stack([self.centre, self.centre + length * self.normal])
+        """A line along the normal from the centre, or from the end of a tunnel, of a length [m], shape (2, 3) [m] (world).
+
+        None where both ways count.
+        """
+        if self.plane is None or self.normal is None:
+            return None
+        tail = self.centre + self.plane.depth / 2 * self.normal
+        return np.stack([tail, tail + length * self.normal])
 
     def _outlines(self, grown: float) -> tuple[Floats, ...]:
         if self.plane is None:
@@ -117,7 +123,7 @@ class Structures:
 
     Attributes:
         gates: those that have to be passed, in the order flown.
-        points: those that do not count, without the end.
+        points: those that do not count, each once, without the end.
         obstacles: poles, which stand on the floor where there is one, spheres and boxes.
         box: what the flight must not leave; None: it may go anywhere.
         floor: [m] (world) height; None: there is none, or it is not drawn, because nothing stands on it.
@@ -172,9 +178,9 @@ def structures_of(track: Track, distance: float) -> Structures:
         distance: [m] within which a gate without size is passed.
     """
     gates = tuple(_shape(point, distance) for point in track.route if point.counts)
-    points = tuple(_shape(point, distance) for point in track.route if not point.counts and point.key != "end")
+    others = {point.key: _shape(point, distance) for point in track.route if not point.counts and point.key != "end"}
     obstacles = (*(_standing(pole, track.floor) for pole in track.poles), *track.spheres, *track.boxes)
-    found = Structures(gates, points, obstacles, track.box, None, track.ceiling)
+    found = Structures(gates, tuple(others.values()), obstacles, track.box, None, track.ceiling)
     return found if found.plain else replace(found, floor=track.floor)
 
 

@@ -41,6 +41,7 @@ def _gate(shape: GateShape, gates: list[int]) -> dict[str, Any]:
         "centre": list(shape.gate.position),
         **lines,
         "normal": None if shape.normal is None else shape.normal.tolist(),
+        "depth": 0.0 if shape.plane is None else shape.plane.depth,
         "reach": shape.reach,
         "bottom": bottom,
         "top": top,
