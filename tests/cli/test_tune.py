@@ -203,7 +203,7 @@ def test_a_race_that_cannot_be_planned_is_exit_1(hotlap, monkeypatch):
     from hotlap.core.errors import PlanningError  # noqa: PLC0415
 
     def fail(*_, **__):
-        raise PlanningError("straight", 3, "the gate lies below the floor")
+        raise PlanningError("straight", "gate 3", "the gate lies below the floor")
 
     monkeypatch.setattr("hotlap.planning.preparation.plan", fail)
     ran = hotlap(*EASY, "--json")

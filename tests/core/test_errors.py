@@ -24,11 +24,11 @@ def test_an_unknown_name_far_from_all_gets_no_guess():
     assert "did you mean" not in str(UnknownNameError("race", "zzz", ["flip-16"]))
 
 
-@pytest.mark.parametrize(("gate", "words"), [(3, "no plan for flip, gate 3: no way"), (None, "no plan for flip: no way")])
-def test_a_planning_error_names_the_gate(gate, words):
-    error = PlanningError("flip", gate, "no way")
+@pytest.mark.parametrize(("where", "words"), [("gate 3", "no plan for flip, gate 3: no way"), (None, "no plan for flip: no way")])
+def test_a_planning_error_names_the_gate(where, words):
+    error = PlanningError("flip", where, "no way")
     assert str(error) == words
-    assert error.gate == gate
+    assert error.where == where
 
 
 @pytest.mark.parametrize("kind", [InputError, UnknownNameError, PlanningError, StudyError])

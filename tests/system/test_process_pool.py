@@ -33,7 +33,7 @@ OURS = [
     InputError("file", "key", "is bad"),
     StudyError("folder", "", "is held"),
     UnknownNameError("race", "x", ["a"], "--race"),
-    PlanningError("track", 3, "too far"),
+    PlanningError("track", "gate 3", "too far"),
 ]
 
 

@@ -52,14 +52,14 @@ class PlanningError(HotlapError):
     """No minimum-time reference was found.
 
     Args:
-        gate: index of the gate that could not be planned through, or None for the whole track.
+        track: its name.
+        where: the gate that could not be planned through, as it is called ("gate 3", counted from 1), or None for the whole track.
         reason: why, in one clause.
     """
 
-    def __init__(self, track: str, gate: int | None, reason: str) -> None:
-        self.track, self.gate, self.reason = track, gate, reason
-        where = track if gate is None else f"{track}, gate {gate}"
-        super().__init__(f"no plan for {where}: {reason}")
+    def __init__(self, track: str, where: str | None, reason: str) -> None:
+        self.track, self.where, self.reason = track, where, reason
+        super().__init__(f"no plan for {track if where is None else f'{track}, {where}'}: {reason}")
 
 
 class StudyError(InputError):

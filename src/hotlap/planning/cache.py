@@ -15,19 +15,28 @@ from typing import Any
 import numpy as np
 
 from hotlap.planning.problem import Problem
+from hotlap.race.track import Track
 from hotlap.reference.reference import Reference
 from hotlap.system.disk_cache import digest_sources, folder
 
 ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
 SCALARS = ("duration", "cpu_time", "period")
-SOURCES = ("hotlap.planning", "hotlap.dynamics", "hotlap.race.quadrotor", "hotlap.reference.reference")
+SOURCES = (
+    "hotlap.planning",
+    "hotlap.dynamics",
+    "hotlap.race.quadrotor",
+    "hotlap.race.gate_plane",
+    "hotlap.race.solids",
+    "hotlap.reference.encounters",
+    "hotlap.reference.reference",
+)
 MAKE_NO_PLANS = (
     "hotlap.planning.feasibility",
     "hotlap.planning.finding",
+    "hotlap.planning.flatness",
     "hotlap.planning.passages",
     "hotlap.planning.plan_feasibility",
     "hotlap.planning.preparation",
-    "hotlap.planning.flatness",
     "hotlap.planning.race_feasibility",
     "hotlap.planning.reference_checks",
     "hotlap.planning.reference_columns",
@@ -51,8 +60,17 @@ def key(problem: Problem) -> str:
     description["ramp"] = problem.ramp and problem.ramp.model_dump(mode="json")
     code = digest_sources(*SOURCES, without=MAKE_NO_PLANS)
     versions = [code, version("casadi"), version("numpy"), platform.machine()]
-    text = json.dumps([description, versions], sort_keys=True, default=np.ndarray.tolist)
+    text = json.dumps([description, versions], sort_keys=True, default=_plain)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _plain(value: Any) -> Any:
+    """What JSON cannot say by itself: arrays, and data that consist of fields."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Track):
+        return value.model_dump(mode="json", exclude={"name", "provenance"})
+    return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
 
 
 def load(key: str) -> Reference | None:

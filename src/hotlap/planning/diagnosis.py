@@ -9,6 +9,7 @@ from hotlap.planning.ipopt import Solution
 from hotlap.planning.minimum_time import model_parameters, stage_of
 from hotlap.planning.problem import LONGEST, Problem, Trajectory
 
+LARGEST_OPENING = 10.0  # m: an opening whose middle lies further below the floor than this has no part above it
 REFINEMENT = 8  # a coarse interval is told by integrating it in so many parts
 
 REASONS = {
@@ -26,18 +27,16 @@ def refuse_impossible(problem: Problem) -> None:
     """
     if problem.start[2] < problem.floor:
         raise PlanningError(problem.track, None, f"the start at z = {problem.start[2]:g} m lies below the floor at {problem.floor:g} m")
-    below = problem.waypoints[:, 2] + problem.tolerance < problem.floor
+    below = problem.waypoints[:, 2] + np.where(np.isfinite(problem.radii), problem.radii, LARGEST_OPENING) < problem.floor
     if below.any():
         phase = int(np.argmax(below))
-        height = problem.waypoints[phase, 2]
-        raise problem.error(
-            phase, f"z = {height:g} m lies more than the tolerance of {problem.tolerance:g} m below the floor at {problem.floor:g} m"
-        )
+        height, radius = problem.waypoints[phase, 2], problem.radii[phase]
+        raise problem.error(phase, f"z = {height:g} m lies more than the tolerance of {radius:g} m below the floor at {problem.floor:g} m")
     acceleration = problem.quadrotor.max_acceleration + problem.quadrotor.gravity
     fastest = acceleration * LONGEST * np.arange(1, problem.phases + 1)  # falling all the way under full thrust
     if problem.drag > 0:
         fastest = np.minimum(fastest, acceleration / problem.drag)
-    far = problem.legs - 2 * problem.tolerance > fastest * LONGEST
+    far = problem.legs - 2 * np.where(np.isfinite(problem.radii), problem.radii, 0.0) > fastest * LONGEST
     if far.any():
         phase = int(np.argmax(far))
         even = f"more than {LONGEST:g} s even at {fastest[phase]:.0f} m/s (gates are in metres)"
@@ -58,7 +57,7 @@ def refuse_coarse(problem: Problem, plan: Trajectory) -> None:
     worst = int(np.argmax(errors))
     if errors[worst] > problem.tolerance:
         reason = f"intervals of {plan.steps[worst]:.2g} s are too coarse on the way to it ({errors[worst]:.2g} m off): raise planning.nodes"
-        raise problem.error(worst // plan.intervals, reason)
+        raise problem.error(int(plan.owners[worst]), reason)
 
 
 def describe(problem: Problem, solution: Solution) -> PlanningError:
@@ -66,6 +65,6 @@ def describe(problem: Problem, solution: Solution) -> PlanningError:
     misses, gaps = solution.misses, solution.gaps
     reason = REASONS.get(solution.status, f"the optimiser failed ({solution.status})")
     phase = int(np.argmax(np.maximum(misses, gaps)))
-    if misses[phase] >= gaps[phase]:
-        return problem.error(phase, f"{reason}; the best one misses it by {misses[phase] + problem.tolerance:.2g} m")
+    if misses[phase] >= gaps[phase] and np.isfinite(problem.radii[phase]):
+        return problem.error(phase, f"{reason}; the best one misses it by {misses[phase] + problem.radii[phase]:.2g} m")
     return problem.error(phase, f"{reason}; on the way to it the equations of motion fail by {gaps[phase]:.2g}")

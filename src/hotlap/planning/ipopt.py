@@ -39,13 +39,13 @@ class Limits:
 
     Attributes:
         low, high: bounds of every duration, state and control.
-        tolerance: [m] radius of the ball around each waypoint.
+        tolerance: [m] radius of the ball around each waypoint, one for all or shape (M,); infinite where there is none.
         thrust: [m/s^2] largest norm of a control, where the program constrains it.
     """
 
     low: Trajectory
     high: Trajectory
-    tolerance: float
+    tolerance: float | Floats
     thrust: float = np.inf
 
 
@@ -111,14 +111,15 @@ def solve(
 
 
 def _constraint_bounds(shooting: Shooting, limits: Limits) -> tuple[Floats, Floats]:
-    """Of gaps, balls and thrusts."""
+    """Of gaps, balls, thrusts and linear rows."""
     thrusts = shooting.total * shooting.thrust_ball
     highest = np.concatenate([
         np.zeros(shooting.gap_rows),
-        np.full(shooting.phases, limits.tolerance**2),
+        np.broadcast_to(limits.tolerance, shooting.phases) ** 2,
         np.full(thrusts, limits.thrust**2),
     ])  # fmt: skip
-    return np.where(np.arange(shooting.rows) < shooting.gap_rows, 0.0, -np.inf), highest
+    lowest = np.where(np.arange(shooting.nonlinear_rows) < shooting.gap_rows, 0.0, -np.inf)
+    return np.append(lowest, shooting.linear.low), np.append(highest, shooting.linear.high)
 
 
 def _read(shooting: Shooting, waypoints: Floats, limits: Limits, result: Any, stats: Any) -> Solution:
@@ -132,7 +133,7 @@ def _read(shooting: Shooting, waypoints: Floats, limits: Limits, result: Any, st
         status=str(stats["return_status"]),
         iterations=int(stats["iter_count"]),
         misses=np.maximum(distances - limits.tolerance, 0.0),
-        gaps=gaps.reshape(shooting.stage.nx, shooting.phases, -1).max(axis=(0, 2)),
+        gaps=np.maximum.reduceat(gaps.reshape(shooting.stage.nx, -1).max(axis=0), np.append(0, shooting.ends[:-1])),
     )
 
 

@@ -6,13 +6,16 @@ import dataclasses
 
 import numpy as np
 
-from hotlap.planning.full_stage import BODY, ROTORS, full_parameters, full_stage_of, limit_start_and_commands, with_rotors
+from hotlap.planning.bounds import bound_positions
+from hotlap.planning.full_stage import BODY, ROTORS, full_parameters, full_stage_of, hover_thrust, limit_start_and_commands, with_rotors
 from hotlap.planning.ipopt import Limits, Solution, solve
-from hotlap.planning.problem import LONGEST, SHORTEST, Floats, Problem, Trajectory
+from hotlap.planning.linear_rows import LinearRows
+from hotlap.planning.problem import LONGEST, Floats, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
 from hotlap.planning.stage import ATTITUDE, Stage, quadrotor_stage
 
 RATES = slice(10, 13)  # of the full state
+LEVEL = [7, 8, 10, 11, 12]  # of the full state: zero where it is level and turns no more
 RAMP_PASSES = 4
 SETTLED = 2e-4  # relative change of the duration from one ramp pass to the next
 
@@ -39,7 +42,7 @@ def rotor_thrusts(problem: Problem, states: Floats, controls: Floats) -> Floats:
     return states[:, ROTORS] if problem.full else controls
 
 
-def plan_quadrotor(problem: Problem, guess: Trajectory, *, barrier: float, iterations: int) -> Solution:
+def plan_quadrotor(problem: Problem, guess: Trajectory, *, barrier: float, iterations: int, rows: LinearRows | None = None) -> Solution:
     """The fastest way for the quadrotor; with a ramp, planned again until the limits fit the durations.
 
     Args:
@@ -47,8 +50,9 @@ def plan_quadrotor(problem: Problem, guess: Trajectory, *, barrier: float, itera
         guess: states (position, velocity, attitude, rates), controls rotor thrusts [N].
         barrier: as in `solve`.
         iterations: likewise.
+        rows: what nodes keep to besides the openings.
     """
-    shooting = Shooting(stage_of(problem), problem.phases, problem.intervals)
+    shooting = Shooting.of(stage_of(problem), problem, rows)
     model = model_parameters(problem)
     passes = 0
     while True:
@@ -84,14 +88,17 @@ def _limited(problem: Problem, guess: Trajectory) -> tuple[Trajectory, Limits]:
     if problem.full and guess.states.shape[1] == BODY.stop:
         guess = with_rotors(problem, guess)
     low, high = np.full(guess.states.shape, -np.inf), np.full(guess.states.shape, np.inf)
-    low[:, 2] = problem.floor
     low[:, ATTITUDE], high[:, ATTITUDE] = -1.01, 1.01
     high[:, RATES] = np.hstack([rates, np.full((len(rates), 1), quadrotor.rate_limit[2])])
     low[:, RATES] = -high[:, RATES]
-    start = np.concatenate([problem.start, np.zeros(3), problem.attitude])  # the first rates are free
-    low[0, : len(start)] = high[0, : len(start)] = start
+    low[0, ATTITUDE] = high[0, ATTITUDE] = problem.attitude  # the first rates are free
+    bound_positions(problem, guess.intervals, low, high)
+    if problem.end_at_rest:
+        low[-1, LEVEL], high[-1, LEVEL] = 0.0, 0.0
     if problem.full:
         limit_start_and_commands(problem, low, high)
+    if problem.full and problem.end_at_rest:
+        low[-1, ROTORS] = high[-1, ROTORS] = hover_thrust(problem)
     least, largest = np.full(guess.controls.shape, quadrotor.rotor_thrust[0]), np.repeat(thrust[:, None], 4, axis=1)
     margin = 0.01 * (largest - least)
     states = guess.states.copy()
@@ -99,4 +106,4 @@ def _limited(problem: Problem, guess: Trajectory) -> tuple[Trajectory, Limits]:
     states[0, fixed] = low[0, fixed]
     guess = dataclasses.replace(guess, states=states, controls=np.clip(guess.controls, least + margin, largest - margin))
     ones = np.ones(problem.phases)
-    return guess, Limits(Trajectory(SHORTEST * ones, low, least), Trajectory(LONGEST * ones, high, largest), problem.tolerance)
+    return guess, Limits(Trajectory(problem.shortest, low, least), Trajectory(LONGEST * ones, high, largest), problem.radii)

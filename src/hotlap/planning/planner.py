@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from hotlap.core.errors import PlanningError
+from hotlap.planning.clear_search import Clear, search_clear
 from hotlap.planning.diagnosis import describe, refuse_coarse, refuse_impossible
 from hotlap.planning.ipopt import Solution
+from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.minimum_time import plan_quadrotor
-from hotlap.planning.point_mass import plan_point_mass
+from hotlap.planning.point_mass import coarse, guess_point_mass, plan_point_mass
 from hotlap.planning.problem import Problem, Trajectory
+from hotlap.planning.surroundings import Surroundings
 from hotlap.planning.warm_start import around_point_mass, hover_along
 
 SLOWER, LATER = 1.06, 0.3  # a plan may take this times the point mass's duration, and this many seconds more
@@ -26,7 +30,7 @@ def find_plan(problem: Problem) -> Trajectory:
         KeyboardInterrupt: on Ctrl-C.
     """
     refuse_impossible(problem)
-    solution = _search(problem)
+    solution = _search(problem) if problem.course is None else _search_course(problem)
     refuse_coarse(problem, solution.trajectory)
     return solution.trajectory
 
@@ -67,6 +71,32 @@ def _confirmed(found: list[Solution]) -> bool:
 def _fastest(found: list[Solution]) -> Solution:
     """The shortest plan of those that converged."""
     return min((solution for solution in found if solution.converged), key=lambda solution: solution.trajectory.duration)
+
+
+def _search_course(problem: Problem) -> Solution:
+    """As `_search`, every time until the plan keeps clear of obstacles, frames, and openings that are not to be crossed."""
+    surroundings = Surroundings.of(problem)
+    surroundings.refuse_blocked()
+    rough = search_clear(surroundings, partial(plan_point_mass, problem), guess_point_mass(coarse(problem)))
+    mass, found, touching = rough.solution, list[Solution](), list[Clear]()
+    for guess, barrier, iterations in _guesses(problem, mass):
+        solve = partial(_solve, problem, barrier=barrier, iterations=iterations)
+        result = search_clear(rough.surroundings.without_extra(), solve, guess, led=not found and not touching)
+        if result.touched:
+            touching.append(result)
+            continue
+        found.append(result.solution)
+        if mass.converged and (_accepted(found[-1], mass) or _confirmed(found)):
+            return _fastest(found)
+    if not mass.converged and any(solution.converged for solution in found):
+        return _fastest(found)
+    if touching and not any(solution.converged for solution in found):
+        raise touching[0].error()
+    raise _failure(problem, mass, found)
+
+
+def _solve(problem: Problem, guess: Trajectory, rows: LinearRows, *, barrier: float, iterations: int) -> Solution:
+    return plan_quadrotor(problem, guess, barrier=barrier, iterations=iterations, rows=rows)
 
 
 def _accepted(solution: Solution, mass: Solution) -> bool:

@@ -11,7 +11,10 @@ from hotlap.planning.full_stage import airframe_parameters
 from hotlap.planning.minimum_time import RATES, model_parameters, rotor_thrusts, stage_of
 from hotlap.planning.problem import Floats, Problem, Trajectory
 from hotlap.planning.stage import ATTITUDE
+from hotlap.race.gate_plane import GatePlane
 from hotlap.reference.reference import Reference, row_times
+
+CROSSING_SAMPLES = 200  # of the way through a gate
 
 
 def sample(problem: Problem, plan: Trajectory, cpu_time: float) -> Reference:
@@ -32,10 +35,31 @@ def sample(problem: Problem, plan: Trajectory, cpu_time: float) -> Reference:
         rates=states[:, RATES],
         thrust=thrusts.sum(axis=1) / problem.quadrotor.mass,
         rotor_thrusts=thrusts,
-        gate_times=np.cumsum(plan.durations)[: problem.gates],
+        gate_times=gate_times(problem, plan),
         duration=plan.duration,
         cpu_time=cpu_time,
     )
+
+
+def gate_times(problem: Problem, plan: Trajectory) -> Floats:
+    """When a plan passes the gates that count, shape (gates,) [s]: where it crosses their planes, or at the end of their phase."""
+    ends, found = np.cumsum(plan.durations), {}
+    for phase, target in enumerate(problem.targets):
+        if not target.counts:
+            continue
+        through = target.plane if target.inside else None
+        found[target.index] = ends[phase] if through is None else _crossing(problem, plan, phase, through)
+    return np.array(list(found.values()))
+
+
+def _crossing(problem: Problem, plan: Trajectory, phase: int, plane: GatePlane) -> float:
+    """[s] when a plan crosses the plane of a gate, in the phase from the plane in front to that behind it."""
+    end = float(np.cumsum(plan.durations)[phase])
+    times = np.linspace(end - plan.durations[phase], end, CROSSING_SAMPLES)
+    along = plane.to_gate(states_at(problem, plan, times)[0][:, :3])[:, 0]
+    after = int(np.argmax(along > 0))
+    share = along[after - 1] / (along[after - 1] - along[after])
+    return float(times[after - 1] + share * (times[after] - times[after - 1]))
 
 
 def states_at(problem: Problem, plan: Trajectory, times: Floats) -> tuple[Floats, NDArray[np.intp]]:

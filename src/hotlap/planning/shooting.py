@@ -4,13 +4,15 @@
     subject to  x_{k+1} - F(x_k, u_k, T_i / K) = 0    the gaps, N nx rows
                 |p_{iK} - waypoint_i|^2 <= r^2        the balls, M rows
                 |u_k|^2 <= a^2                        the thrusts, N rows, point mass only
+                l_j <= c_j . (p_k, v_k) <= h_j        linear rows: openings and obstacles
 
+A phase may have another number K of intervals than the rest.
 All intervals share one stage; the non-zeros of its derivatives are put where they belong in the large sparse matrices.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.planning.batch import evaluate
-from hotlap.planning.problem import Floats, Trajectory
+from hotlap.planning.linear_rows import LinearRows
+from hotlap.planning.problem import Floats, Problem, Trajectory
 from hotlap.planning.stage import Stage
 
 Indices = NDArray[np.intp]
@@ -27,7 +30,7 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Shooting:
-    """The program of M phases with K intervals each.
+    """The program of M phases with K intervals each, or with numbers of their own.
 
     Parameters of the program are the waypoints, flattened, and the stage's parameters.
 
@@ -36,21 +39,41 @@ class Shooting:
         phases: M.
         intervals: K of each phase.
         thrust_ball: whether the norm of each control is constrained.
+        counts: intervals of each phase where they differ.
+        linear: rows of positions and velocities at nodes.
     """
 
     stage: Stage
     phases: int
     intervals: int
     thrust_ball: bool = False
+    counts: tuple[int, ...] = ()
+    linear: LinearRows = field(default_factory=LinearRows.none)
+
+    @classmethod
+    def of(cls, stage: Stage, problem: Problem, rows: LinearRows | None = None, *, thrust_ball: bool = False) -> Shooting:
+        """The program of a problem, with rows besides those of its openings."""
+        linear = LinearRows.joined([problem.rows(), rows or LinearRows.none()])
+        return cls(stage, problem.phases, problem.intervals, thrust_ball, problem.counts, linear)
+
+    @cached_property
+    def owners(self) -> Indices:
+        """Phase of each interval, shape (N,)."""
+        return np.repeat(np.arange(self.phases), self.counts or self.intervals)
+
+    @cached_property
+    def ends(self) -> Indices:
+        """Node at which each phase ends, shape (M,)."""
+        return np.cumsum(np.bincount(self.owners))
 
     @property
     def total(self) -> int:
-        """N = M K intervals."""
-        return self.phases * self.intervals
+        """N intervals."""
+        return len(self.owners)
 
     @property
     def gap_rows(self) -> int:
-        """Rows of the gaps; the balls follow, then the thrusts."""
+        """Rows of the gaps; the balls follow, then the thrusts, then the linear ones."""
         return self.total * self.stage.nx
 
     @property
@@ -61,6 +84,11 @@ class Shooting:
     @property
     def rows(self) -> int:
         """Number of constraints."""
+        return self.nonlinear_rows + self.linear.count
+
+    @property
+    def nonlinear_rows(self) -> int:
+        """Rows of gaps, balls and thrusts."""
         return self.gap_rows + self.phases + self.total * self.thrust_ball
 
     def pack(self, trajectory: Trajectory) -> Floats:
@@ -72,7 +100,7 @@ class Shooting:
         """The trajectory of variables z."""
         nodes = z[self.phases : -self.stage.nx].reshape(self.total, -1)
         states = np.vstack([nodes[:, : self.stage.nx], z[-self.stage.nx :]])
-        return Trajectory(z[: self.phases], states, nodes[:, self.stage.nx :])
+        return Trajectory(z[: self.phases], states, nodes[:, self.stage.nx :], self.counts)
 
     def parameters(self, waypoints: Floats, model: Floats) -> Floats:
         """Parameters of the program from waypoints, shape (M, 3), and parameters of the model."""
@@ -102,7 +130,7 @@ class Shooting:
     @cached_property
     def _columns(self) -> Indices:
         """Index in z of the stage's w = (x, u, h) of each interval, shape (nx + nu + 1, N); h = T_i / K."""
-        return np.vstack([self._nodes, np.repeat(np.arange(self.phases), self.intervals)])
+        return np.vstack([self._nodes, self.owners])
 
     @cached_property
     def _next_nodes(self) -> Indices:
@@ -112,13 +140,22 @@ class Shooting:
 
     @cached_property
     def _weights(self) -> Floats:
-        """d w / d z: 1, and 1 / K for the step, shape (nx + nu + 1, 1)."""
-        return np.append(np.ones(self.stage.nx + self.stage.nu), 1 / self.intervals)[:, None]
+        """d w / d z: 1, and 1 / K for the step, shape (nx + nu + 1, N)."""
+        weights = np.ones((self.stage.nx + self.stage.nu + 1, self.total))
+        weights[-1] = 1 / np.bincount(self.owners)[self.owners]
+        return weights
 
     @cached_property
     def _ball_columns(self) -> Indices:
         """Index in z of the position at the end of each phase, shape (3, M)."""
-        return self._next_nodes[:3, self.intervals - 1 :: self.intervals]
+        return self._next_nodes[:3, self.ends - 1]
+
+    @cached_property
+    def _linear_entries(self) -> tuple[Indices, Indices, Floats]:
+        """Row (from the first linear one), index in z and coefficient of each entry of the linear rows."""
+        row, part = np.nonzero(self.linear.coefficients)
+        states = np.hstack([self._nodes[:6], np.arange(self.size - self.stage.nx, self.size)[:6, None]])
+        return row, states[part, self.linear.nodes[row]], self.linear.coefficients[row, part]
 
     @cached_property
     def _thrust_columns(self) -> Indices:
@@ -128,7 +165,13 @@ class Shooting:
     def _constraints(self, residual: Any) -> Any:
         s = self._symbols
         thrusts = [ca.sum2(s.controls**2)] if self.thrust_ball else []
-        return ca.vertcat(ca.vec(residual), ca.sum2(s.offsets**2), *thrusts)
+        return ca.vertcat(ca.vec(residual), ca.sum2(s.offsets**2), *thrusts, *self._linear(s.z))
+
+    def _linear(self, z: Any) -> list[Any]:
+        if not self.linear.count:
+            return []
+        row, column, coefficients = self._linear_entries
+        return [ca.mtimes(ca.DM.triplet(row.tolist(), column.tolist(), ca.DM(coefficients), self.linear.count, self.size), z)]
 
     def _gradient(self) -> Any:
         s = self._symbols
@@ -149,6 +192,9 @@ class Shooting:
         if self.thrust_ball:
             thrusts = self.gap_rows + self.phases + np.arange(self.total)
             blocks.append(_Block(thrusts, self._thrust_columns, s.controls, 2.0))
+        if self.linear.count:
+            row, column, coefficients = self._linear_entries
+            blocks.append(_Block(self.nonlinear_rows + row, column, ca.DM(coefficients), 1.0))
         outputs = [self._constraints(s.next_states - after), _assemble(blocks, (self.rows, self.size))]
         return ca.Function("nlp_jac_g", [s.z, s.parameters], outputs, ["x", "p"], ["g", "jac_g_x"])
 
@@ -156,7 +202,8 @@ class Shooting:
         """Upper triangle; the objective is linear, so that only constraints contribute."""
         s = self._symbols
         objective, multipliers = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", self.rows)
-        gaps, balls, thrusts = ca.vertsplit(multipliers, [0, self.gap_rows, self.gap_rows + self.phases, self.rows])
+        marks = [0, self.gap_rows, self.gap_rows + self.phases, self.nonlinear_rows, self.rows]
+        gaps, balls, thrusts, _ = ca.vertsplit(multipliers, marks)
         nonzeros = evaluate(self.stage.hessian, *s.stage_inputs, ca.reshape(gaps, self.total, self.stage.nx))[0]
         row, column = (np.array(part) for part in self.stage.hessian_sparsity.get_triplet())
         first, second = self._columns[row], self._columns[column]
@@ -176,7 +223,7 @@ class _Symbols:
     """The variables of a program as CasADi sees them; matrices have one row an interval."""
 
     def __init__(self, shooting: Shooting) -> None:
-        nx, count, phases, intervals = shooting.stage.nx, shooting.total, shooting.phases, shooting.intervals
+        nx, count, phases = shooting.stage.nx, shooting.total, shooting.phases
         self.z = ca.MX.sym("z", shooting.size)
         self.parameters = ca.MX.sym("p", 3 * phases + shooting.stage.step.size1_in(3))
         self.durations = self.z[:phases]
@@ -184,9 +231,9 @@ class _Symbols:
         states = ca.vertcat(nodes[:, :nx], self.z[-nx:].T)
         self.controls = nodes[:, nx:]
         self.next_states = states[1:, :]
-        steps = ca.vec(ca.repmat(self.durations.T / intervals, intervals, 1))
+        steps = (self.durations / ca.DM(np.bincount(shooting.owners).astype(float)))[shooting.owners.tolist()]
         self.stage_inputs = [states[:-1, :], self.controls, steps, self.parameters[3 * phases :].T]
-        self.offsets = states[intervals::intervals, :3] - ca.reshape(self.parameters[: 3 * phases], 3, phases).T
+        self.offsets = states[shooting.ends.tolist(), :3] - ca.reshape(self.parameters[: 3 * phases], 3, phases).T
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hotlap.planning.attitude import follow_axes, product, turn_rates
+from hotlap.planning.guess import along_normals
 from hotlap.planning.problem import Floats, Problem, Trajectory
 
 SHORTEST_GUESS = 0.1  # s, of a phase
@@ -14,8 +15,10 @@ def straight_lines(problem: Problem) -> tuple[Floats, Floats, Floats]:
     """Straight legs at one guessed speed.
 
     Returns:
-        Durations (M,) [s]; positions (N + 1, 3) [m] and velocities (N + 1, 3) [m/s] (world), at rest at the first node.
+        Durations (M,) [s]; positions (N + 1, 3) [m] and velocities (N + 1, 3) [m/s] (world), as the start asks for at the first node.
     """
+    if problem.has_openings:
+        return along_normals(problem)
     speed = np.sqrt(0.5 * problem.level_acceleration * np.median(problem.legs)) + 1.0
     if problem.full:
         speed = min(speed, 0.6 * problem.top_speed)
@@ -25,7 +28,10 @@ def straight_lines(problem: Problem) -> tuple[Floats, Floats, Floats]:
     legs = np.repeat(np.diff(problem.points, axis=0), problem.intervals, axis=0)
     positions = np.vstack([problem.start, problem.start + np.cumsum(legs / problem.intervals, axis=0)])
     velocities = legs / np.repeat(durations, problem.intervals)[:, None]
-    return durations, positions, np.vstack([np.zeros(3), velocities])
+    velocities = np.vstack([problem.start_velocity, velocities])
+    if problem.end_at_rest:
+        velocities[-1] = 0.0
+    return durations, positions, velocities
 
 
 def hover_along(problem: Problem, *, inverted: bool = False) -> Trajectory:
@@ -36,7 +42,7 @@ def hover_along(problem: Problem, *, inverted: bool = False) -> Trajectory:
     if inverted:
         attitudes[1:] = product(problem.attitude, np.array([0.0, 1.0, 0.0, 0.0]))  # half a turn about body x
     thrusts = np.full((count - 1, 4), quadrotor.mass * quadrotor.gravity / 4)
-    return Trajectory(durations, np.hstack([positions, velocities, attitudes, rates]), thrusts)
+    return Trajectory(durations, np.hstack([positions, velocities, attitudes, rates]), thrusts, problem.counts)
 
 
 def around_point_mass(problem: Problem, plan: Trajectory) -> Trajectory:
@@ -46,7 +52,7 @@ def around_point_mass(problem: Problem, plan: Trajectory) -> Trajectory:
         problem: what is planned.
         plan: of the point mass, any number of intervals.
     """
-    frame = Trajectory(plan.durations, np.empty(0), np.empty((problem.phases * problem.intervals, 4)))
+    frame = Trajectory(plan.durations, np.empty(0), np.empty((problem.intervals_in_all, 4)), problem.counts)
     times, middles = frame.times, 0.5 * (plan.times[1:] + plan.times[:-1])
     motion = np.stack([np.interp(times, plan.times, column) for column in plan.states.T], axis=1)
     accelerations = np.stack([np.interp(times, middles, column) for column in plan.controls.T], axis=1)
@@ -58,4 +64,4 @@ def around_point_mass(problem: Problem, plan: Trajectory) -> Trajectory:
     rates = np.vstack([turn_rates(attitudes, np.maximum(frame.steps, 1e-3)), np.zeros(3)])
     rates = np.clip(rates, -largest, largest)
     rotor_thrusts = np.repeat(thrusts[:-1, None] * quadrotor.mass / 4, 4, axis=1)
-    return Trajectory(plan.durations, np.hstack([motion, attitudes, rates]), rotor_thrusts)
+    return Trajectory(plan.durations, np.hstack([motion, attitudes, rates]), rotor_thrusts, problem.counts)

@@ -1,0 +1,100 @@
+"""Clear search: plans that keep clear of obstacles and frames and pass gates in their direction, solved again until they do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hotlap.core.errors import PlanningError
+from hotlap.planning.detours import along, find_way
+from hotlap.planning.guess import guessed_speed
+from hotlap.planning.ipopt import Solution
+from hotlap.planning.linear_rows import LinearRows
+from hotlap.planning.problem import Trajectory
+from hotlap.planning.surroundings import DEEP, Fault, Path, Surroundings
+
+ROUNDS = 6
+
+Solve = Callable[[Trajectory, LinearRows], Solution]
+
+
+@dataclass(frozen=True)
+class Clear:
+    """What a search ended with.
+
+    Attributes:
+        solution: the last one.
+        surroundings: with what was added on the way.
+        faults: where the solution comes too near.
+    """
+
+    solution: Solution
+    surroundings: Surroundings
+    faults: list[Fault]
+
+    @property
+    def touched(self) -> list[Fault]:
+        """Where the vehicle touches something, or crosses an opening against its direction."""
+        return [fault for fault in self.faults if fault.distance < self.surroundings.kept[fault.kept].least]
+
+    def error(self) -> PlanningError:
+        """The refusal of a plan that touches something."""
+        worst = min(self.touched, key=lambda fault: fault.distance)
+        solid, problem = self.surroundings.kept[worst.kept].solid, self.surroundings.problem
+        return problem.error(worst.phase, f"found only a way {'through' if solid.opening else 'that touches'} {solid.name}")
+
+
+def search_clear(surroundings: Surroundings, solve: Solve, guess: Trajectory, *, led: bool = False) -> Clear:
+    """Solve, look where the result comes too near, keep it away from there, and solve again.
+
+    Args:
+        surroundings: what to keep clear of.
+        solve: takes a guess and rows.
+        guess: where to begin.
+        led: whether the guess itself keeps clear, so that rows can be made around it.
+    """
+    rows = surroundings.rows(Path.of(guess)) if led else LinearRows.none()
+    solution, faults = solve(guess, rows), list[Fault]()
+    for _ in range(ROUNDS):
+        if not solution.converged:
+            return Clear(solution, surroundings, [])
+        path = Path.of(solution.trajectory)
+        surroundings = surroundings.with_plugs(path)
+        faults = surroundings.faults(path)
+        if not faults:
+            break
+        guess = led_around(surroundings, solution.trajectory, faults)
+        surroundings = surroundings.with_extra([fault for fault in faults if not _deep(surroundings, fault)])
+        solution = solve(guess, surroundings.rows(Path.of(guess)))
+    return Clear(solution, surroundings, faults)
+
+
+def _deep(surroundings: Surroundings, fault: Fault) -> bool:
+    return fault.distance < DEEP * surroundings.kept[fault.kept].margin
+
+
+def led_around(surroundings: Surroundings, trajectory: Trajectory, faults: list[Fault]) -> Trajectory:
+    """The trajectory, where it runs through something led around it along straight lines.
+
+    Raises:
+        PlanningError: there is no way around.
+    """
+    problem, states, durations = surroundings.problem, trajectory.states.copy(), trajectory.durations.copy()
+    ends, speed = trajectory.ends, guessed_speed(surroundings.problem)
+    for phase in sorted({fault.phase for fault in faults if _deep(surroundings, fault)}):
+        for place in (phase, phase + 1):
+            node = 0 if place == 0 else int(ends[place - 1])
+            if surroundings.lacks(states[node : node + 1, :3])[0][0] > 0:
+                states[node, :3] = problem.points[place]
+        first, last = int(ends[phase] - trajectory.intervals[phase]), int(ends[phase])
+        way, blocker = find_way(surroundings, states[first, :3], states[last, :3])
+        if blocker is not None:
+            raise problem.error(phase, f"no way to it around {surroundings.kept[blocker].solid.name} was found")
+        places, directions = along(way, np.linspace(0, 1, last - first + 1))
+        states[first + 1 : last, :3] = places[1:-1]
+        states[first + 1 : last, 3:6] = speed * directions[1:-1]
+        length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+        durations[phase] = max(durations[phase], length / speed)
+    return replace(trajectory, states=states, durations=durations)

@@ -1,0 +1,101 @@
+"""Detours: the shortest way from point to point around solids, along straight lines between points beside them."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from hotlap.planning.linear_rows import Floats
+
+SPACING = 0.02  # m between the places at which a straight line is tested
+ATTEMPTS = 400  # lines that may be found blocked before the search is given up
+
+
+class Space(Protocol):
+    """What a way keeps clear of."""
+
+    def lacks(self, points: Floats) -> tuple[Floats, np.ndarray]:
+        """How much too near points (n, 3) are to what is nearest [m], not positive where they are free; and its index."""
+        ...
+
+    def beside(self, index: int, heights: Floats) -> Floats:
+        """Free places (k, 3) on all sides of a solid."""
+        ...
+
+
+def find_way(space: Space, start: Floats, end: Floats) -> tuple[Floats, int | None]:
+    """The shortest way found, and what blocks it.
+
+    Only what blocks a line is looked at, and only lines of the shortest way are tested, until one is free.
+
+    Args:
+        space: what the way keeps clear of.
+        start: shape (3,) [m] (world).
+        end: likewise.
+
+    Returns:
+        Corners (k, 3) with start and end, and None; or the index of the solid that blocks every way.
+    """
+    places, known, blocked = np.vstack([start, end]), set(), set()
+    solid: int | None = None
+    for _ in range(ATTEMPTS):
+        way = _shortest(places, blocked)
+        if way is None:
+            return places[:2], solid
+        hits = [(one, other, _first_hit(space, places[one], places[other])) for one, other in zip(way[:-1], way[1:], strict=True)]
+        hits = [hit for hit in hits if hit[2] is not None]
+        if not hits:
+            return places[way], None
+        for one, other, found in hits:
+            blocked.add((min(one, other), max(one, other)))
+            solid = found
+            if found is not None and found not in known:
+                known.add(found)
+                places = np.vstack([places, space.beside(found, np.array([start[2], end[2]]))])
+    return places[:2], solid
+
+
+def along(way: Floats, shares: Floats) -> tuple[Floats, Floats]:
+    """Points (n, 3) at shares of the length of a way, and the unit vectors (n, 3) along it there."""
+    steps = np.diff(way, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    marks = np.concatenate([[0.0], np.cumsum(lengths)])
+    places = np.stack([np.interp(shares * marks[-1], marks, column) for column in way.T], axis=1)
+    pieces = np.clip(np.searchsorted(marks, shares * marks[-1], side="left") - 1, 0, len(steps) - 1)
+    return places, steps[pieces] / np.maximum(lengths[pieces], 1e-9)[:, None]
+
+
+def _first_hit(space: Space, start: Floats, end: Floats) -> int | None:
+    count = int(np.ceil(np.linalg.norm(end - start) / SPACING)) + 1
+    points = start + np.linspace(0, 1, count + 1)[:, None] * (end - start)
+    lacks, solids = space.lacks(points)
+    return int(solids[lacks.argmax()]) if lacks.max() > 0 else None
+
+
+def _shortest(places: Floats, blocked: set[tuple[int, int]]) -> Sequence[int] | None:
+    """Dijkstra's way from the first to the second place."""
+    distances = np.linalg.norm(places[:, None] - places, axis=2)
+    for one, other in blocked:
+        distances[one, other] = distances[other, one] = np.inf
+    best, before = np.full(len(places), np.inf), np.full(len(places), -1)
+    best[0], queue, done = 0.0, [(0.0, 0)], set()
+    while queue:
+        length, place = heapq.heappop(queue)
+        if place in done:
+            continue
+        done.add(place)
+        if place == 1:
+            break
+        reached = length + distances[place]
+        for other in np.flatnonzero(reached < best):
+            best[other], before[other] = reached[other], place
+            heapq.heappush(queue, (float(reached[other]), int(other)))
+    if not np.isfinite(best[1]):
+        return None
+    way = [1]
+    while way[-1] != 0:
+        way.append(int(before[way[-1]]))
+    return way[::-1]
