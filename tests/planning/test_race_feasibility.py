@@ -82,9 +82,8 @@ def test_what_counts_as_passing_a_gate_is_said_in_words(gates, said):
 def test_rates_that_follow_late_are_noted_and_the_built_in_drones_are_quick():
     quick = load_quadrotor("hummingbird")
     assert lag(quick).level is Level.FACT
-    slow_loop, slow_motors = (
-        quick.model_copy(update=change) for change in ({"rate_gain": (0.5, 20.0, 8.0)}, {"motor_time": (0.065, 0.02)})
-    )
+    slow_loop = quick.model_copy(update={"rate_gain": (0.5, 20.0, 8.0)})
+    slow_motors = quick.model_copy(update={"motor_time": (0.065, 0.02)})
     assert (lag(slow_loop).level, lag(slow_motors).level) == (Level.NOTE, Level.NOTE)
     assert lag(slow_loop).value == f"{1e3 * (1 / 0.5 + max(quick.motor_time)):.0f} ms"
     assert describe_race(load_race("circle-34").model_copy(update={"vehicle": slow_loop}))

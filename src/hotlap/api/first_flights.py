@@ -124,9 +124,8 @@ def find_doom(scenario: Scenario, world: World, tried: Sequence[Tried]) -> Doom 
     if flown.flights.gates_passed.any():
         return None
     at_once = bool((flown.flights.end_time <= DEAD).all())
-    return Doom(
-        at_once, bool((flown.flights.end == End.CRASHED).all()), f"{', '.join(flown.ends())}{f', all within {DEAD:g} s' if at_once else ''}"
-    )
+    words = ", ".join((*flown.ends(), *([f"all within {DEAD:g} s"] if at_once else [])))
+    return Doom(at_once, bool((flown.flights.end == End.CRASHED).all()), words)
 
 
 def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
@@ -140,9 +139,8 @@ def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
     doom = find_doom(scenario, world, [Tried("first guess", weights, _fly(scenario, world, weights, FEW))])
     if doom is None:
         return ""
-    return (
-        f"{'no weights help as it stands: ' if doom.crashed else ''}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
-    )
+    hopeless = "no weights help as it stands: " if doom.crashed else ""
+    return f"{hopeless}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
 
 
 def _fly(scenario: Scenario, world: World, weights: Parameters, flights: int) -> FlightsResult:

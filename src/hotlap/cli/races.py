@@ -39,7 +39,7 @@ def _row(name: str) -> dict[str, Any]:
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     """A row for people: the share of its thrust that the plan takes, and the dead time that the controller does not know of."""
-    shown = [_show(row[name]) for name in ("name", "track", "gates", "v_max", "vehicle")]
+    shown = [_show(row[name]) for name in ("name", "track", "gates", "v_max", "vehicle", "rule")]
     return (*shown, f"{row['thrust_share']:.0%}", f"{1e3 * row['unknown_latency']:.0f} ms", _shorten(row["provenance"]))
 
 

@@ -33,10 +33,10 @@ SOURCES = (
 MAKE_NO_PLANS = (
     "hotlap.planning.feasibility",
     "hotlap.planning.finding",
+    "hotlap.planning.flatness",
     "hotlap.planning.passages",
     "hotlap.planning.plan_feasibility",
     "hotlap.planning.preparation",
-    "hotlap.planning.flatness",
     "hotlap.planning.race_feasibility",
     "hotlap.planning.reference_checks",
     "hotlap.planning.reference_columns",
