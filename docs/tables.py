@@ -7,14 +7,17 @@ from pathlib import Path
 
 from hotlap.files import toml_writer
 from hotlap.files.documented_keys import documented_keys
-from hotlap.race import race, track
+from hotlap.race import gate, obstacles, race, track
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.schema import Described
 
 PAGE = Path(__file__).with_name("files.md")
 DESCRIPTIONS: dict[str, type[Described]] = {
     "track": track.Track,
-    "gate": track.Gate,
+    "gate": gate.Gate,
+    "pole": obstacles.Pole,
+    "sphere": obstacles.Sphere,
+    "box": obstacles.Box,
     "quadrotor": Quadrotor,
     "race": race.Race,
     "planning": race.PlanningSettings,

@@ -30,10 +30,10 @@ def make_scenario(judge: JudgeSettings | None = None, name: str = "straight") ->
     rows = 701
     position = np.zeros((rows, 3))
     position[:, 0], position[:, 2] = 0.02 * np.arange(rows), 1.0
-    zeros = np.zeros((rows, 3))
+    zeros, velocity = np.zeros((rows, 3)), np.tile([2.0, 0.0, 0.0], (rows, 1))
     attitude = np.tile([1.0, 0.0, 0.0, 0.0], (rows, 1))
     thrust, rotors = np.full(rows, 9.81), np.full((rows, 4), 2.4525)
-    reference = Reference(position, attitude, zeros, zeros, thrust, rotors, gate_times=np.arange(1.0, GATES + 1), duration=float(GATES))
+    reference = Reference(position, attitude, velocity, zeros, thrust, rotors, gate_times=np.arange(1.0, GATES + 1), duration=float(GATES))
     return Scenario(race, reference, Segments(np.array([0.0, 2.5]), (SegmentClass.FLAT, SegmentClass.ASCENT), float(GATES)))
 
 
@@ -80,14 +80,18 @@ class FakeWorld:
             seeds=seeds,
             gates_passed=passed,
             end=np.where(complete, int(End.FINISHED), int(End.MISSED)),
+            cause=np.zeros(len(seeds), dtype=np.int64),
+            cause_index=np.full(len(seeds), -1),
             end_time=times[stop],
             end_position=gates[stop] + offset,
             lap_time=np.where(complete, times[-1], np.nan),
             clock_distance=seen,
             closest_distance=0.5 * seen,
             closest_time=np.where(np.isnan(seen), np.nan, times),
+            rim_distance=0.5 * seen - scenario.race.judge.distance,
             mean_error=np.nanmean(seen, axis=1),
             max_error=np.nanmax(seen, axis=1),
+            rooms=np.full(len(gates), scenario.race.judge.distance),
             gate_positions=gates,
             gate_times=times,
             gate_segments=scenario.gate_segments,

@@ -15,7 +15,7 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
     {"race"},
     {"reference"},
     {"files", "flight"},
-    {"planning", "worlds", "tuners"},
+    {"planning", "worlds", "tuners", "importers"},
     {"tuning", "first_guess"},
     {"study", "optuna"},
     {"analysis", "exporters"},

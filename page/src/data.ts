@@ -50,12 +50,59 @@ export interface Reference {
   readonly rates: Table;
 }
 
+/** A gate that is more than a point; lines relative to its centre. */
+export interface GateShape {
+  /** Which of the gates that have to be passed it is; several times where there are laps. */
+  readonly gates: readonly number[];
+  readonly centre: readonly number[];
+  /** The opening's rim, at both ends of a tunnel; none for a ball. */
+  readonly rims: readonly Table[];
+  /** The outer rims of the frame. */
+  readonly frames: readonly Table[];
+  /** Lines along a tunnel. */
+  readonly walls: readonly Table[];
+  /** The way in which it is passed; null where both ways count. */
+  readonly normal: readonly number[] | null;
+  /** Length of a tunnel. */
+  readonly depth: number;
+  readonly reach: number;
+  readonly bottom: number;
+  readonly top: number;
+}
+
+export interface Pole {
+  readonly position: readonly [number, number];
+  readonly radius: number;
+  readonly top: number | null;
+  readonly bottom: number | null;
+}
+
+export interface Sphere {
+  readonly position: readonly [number, number, number];
+  readonly radius: number;
+}
+
+export interface Box {
+  readonly low: readonly [number, number, number];
+  readonly high: readonly [number, number, number];
+}
+
 export interface Scenario {
   readonly duration: number;
   readonly lap_time: number;
   readonly gate_distance: number;
-  readonly rule: "clock" | "approach";
+  readonly rule: "clock" | "approach" | "opening";
   readonly floor: number | null;
+  readonly ceiling: number | null;
+  readonly gate_shapes: readonly GateShape[];
+  /** Points that are planned through and do not count. */
+  readonly points: Table;
+  readonly poles: readonly Pole[];
+  readonly spheres: readonly Sphere[];
+  readonly boxes: readonly Box[];
+  readonly box: Box | null;
+  /** Least and largest coordinates of the plan with what stands on the track; null where there are bare points alone. */
+  readonly bounds: readonly [readonly number[], readonly number[]] | null;
   readonly gates: Table;
   readonly gate_times: Table;
   readonly gate_segments: readonly number[];

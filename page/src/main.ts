@@ -44,7 +44,7 @@ function start(): void {
     const drawing = scene.start();
     preparePrint(app, drawing);
     begin(app);
-    if (drawing) Object.assign(window, { hotlap: { place: () => drawing.place, frames: () => drawing.view.frames } });
+    if (drawing) Object.assign(window, { hotlap: { place: () => drawing.place, frames: () => drawing.view.frames, still: () => drawing.view.still() } });
   });
 }
 

@@ -8,7 +8,7 @@ the result, and writes a page about it:
     tuned = hotlap.tune("circle-34", out="runs/mine")
     tuned.confirmed, tuned.validation, tuned.values, tuned.report
 
-`hotlap.plan`, `fly`, `compare` and `export` do likewise. The pieces of which they are made are reached by package:
+`hotlap.check`, `plan`, `fly`, `compare` and `export` do likewise. The pieces of which they are made are reached by package:
 
     from hotlap import tuners
     from hotlap.planning.preparation import prepare
@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING, Any
 from hotlap.core.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from hotlap.api.checking import check
     from hotlap.api.comparing import compare
     from hotlap.api.exporting import export
     from hotlap.api.flying import fly
@@ -49,6 +50,7 @@ __all__ = [
     "PlanningError",
     "Race",
     "Study",
+    "check",
     "compare",
     "export",
     "fly",
@@ -59,6 +61,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "api.checking": ("check",),
     "api.comparing": ("compare",),
     "api.exporting": ("export",),
     "api.flying": ("fly",),

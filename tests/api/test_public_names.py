@@ -55,6 +55,6 @@ def test_looking_around_warns_of_nothing():
 
 
 def test_importing_hotlap_and_naming_its_calls_loads_nothing():
-    program = "import sys, hotlap; hotlap.tune, hotlap.plan, hotlap.fly, hotlap.compare, hotlap.export; print(*sys.modules)"
+    program = "import sys, hotlap; hotlap.check, hotlap.tune, hotlap.plan, hotlap.fly, hotlap.compare, hotlap.export; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
     assert {"numpy", "pydantic", "numba", "casadi", "rich", "matplotlib"} & {name.partition(".")[0] for name in loaded} == set()

@@ -72,6 +72,19 @@ def test_another_rule_for_segments_is_another_comparison(hotlap):
     assert hotlap(*ASKED, "--segments", "paper", "--json").document == first.document
 
 
+def test_another_reference_is_another_comparison_and_belongs_to_one_race(hotlap, here):
+    planned = hotlap(*ASKED, "--json").document
+    (here / "slow.csv").write_text("t,p_x,p_y,p_z\n" + "\n".join(f"{k / 100},{k / 100},0,1" for k in range(1001)))
+    ran = hotlap(*ASKED, "--reference", "slow.csv", "--json")
+    assert "reading slow.csv ...\n" in ran.err
+    assert "note: slow.csv: velocities follow from the positions\n" in ran.err
+    assert "are there already" not in ran.err
+    assert ran.document["rows"] != planned["rows"]
+    (here / "other.toml").write_text((here / "straight.toml").read_text().replace('name = "straight"', 'name = "other"', 1))
+    refused = hotlap("compare", "straight.toml", "other.toml", *ASKED[2:], "--reference", "slow.csv")
+    assert (refused.code, refused.err) == (2, "hotlap: --reference: belongs to one race; 2 are asked for\n")
+
+
 def test_budgets_of_some_tuners(hotlap):
     asked = [*ASKED, "--budget", "30,metropolis_hastings=50", "--json"]
     assert hotlap(*asked).document["budget"] == {"random_search:paper": 30, "metropolis_hastings:tied": 50}

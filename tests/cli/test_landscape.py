@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 import json
 
 import numpy as np
 import pytest
 
 from hotlap.cli import main
+from hotlap.planning.preparation import prepare
+from hotlap.planning.reference_csv import save_reference
 
 SMALL = ["landscape", "circle-34", "--points", "4", "--flights", "2"]
 
@@ -44,3 +47,22 @@ def test_the_other_parameters_are_held(capsys):
 def test_what_cannot_be_mapped_is_said(arguments, complaint, capsys):
     assert main([*SMALL, *arguments]) == 2
     assert capsys.readouterr().err.splitlines()[-1].startswith(f"hotlap: {complaint}")
+
+
+def test_a_reference_is_flown_in_place_of_the_plan(tmp_path, capsys):
+    scenario = prepare("circle-34")
+    kept = "t", "p_x", "p_y", "p_z", "v_x", "v_y", "v_z"
+    save_reference(tmp_path / "plan.csv", scenario.reference)
+    with (tmp_path / "plan.csv").open() as file:
+        rows = [[row[name] for name in kept] for row in csv.DictReader(file)]
+    (tmp_path / "less.csv").write_text("\n".join(map(",".join, [list(kept), *rows])))
+    assert main([*SMALL, "--json"]) == 0
+    planned = json.loads(capsys.readouterr().out)["completion"]
+    assert main([*SMALL, "--reference", str(tmp_path / "less.csv"), "--json"]) == 0
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert len(document["notes"]) == 3
+    assert all(f"note: {note}\n" in err for note in document["notes"])
+    assert np.abs(np.array(document["completion"]) - planned).max() < 0.3
+    assert main([*SMALL, "--reference", "nowhere.csv"]) == 2
+    assert capsys.readouterr().err == "hotlap: nowhere.csv: there is no such file\n"

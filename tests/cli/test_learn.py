@@ -73,7 +73,7 @@ def shipped() -> tuple[Lesson, ...]:
 
 def test_nothing_is_learnt_from_what_claims_are_made_about(shipped):
     tracks = {lesson.race.track.name: lesson.race.track for lesson in shipped}
-    built_in = {name: load_track(name) for name in names(Kind.TRACK) if name != "soccer-medium"}
+    built_in = {name: load_track(name) for name in names(Kind.TRACK) if not name.startswith("soccer-medium")}
     assert not set(tracks) & set(built_in)
     shapes = {track.gate_positions.tobytes() for track in tracks.values()}
     assert not shapes & {track.gate_positions.tobytes() for track in built_in.values()}

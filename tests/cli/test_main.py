@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hotlap.cli.arguments import COMMANDS
+from hotlap.cli.arguments import COMMANDS, module_of
 from hotlap.cli.main import main
 from hotlap.core.version import __version__
 
@@ -52,7 +52,7 @@ def test_help_and_mistakes_load_nothing_that_takes_time():
 
 def test_the_module_of_a_command_loads_nothing_that_flies_plans_or_draws():
     quick = [name for name in COMMANDS if name != "bench"]
-    loaded = dict(zip([*quick, "bench"], loaded_by("\n".join(f"import hotlap.cli.{name}" for name in [*quick, "bench"])), strict=True))
+    loaded = dict(zip([*quick, "bench"], loaded_by("\n".join(f"import {module_of(name)}" for name in [*quick, "bench"])), strict=True))
     for name, libraries in loaded.items():  # each after those before it
         assert libraries & {"casadi", "matplotlib", "sklearn"} == set(), name
         assert name == "bench" or libraries & {"numba", "scipy"} == set(), name

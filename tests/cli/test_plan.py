@@ -28,7 +28,7 @@ def test_figures_segments_and_a_map_for_people(hotlap):
 @pytest.mark.usefixtures("faked")
 def test_json_has_the_keys_that_are_relied_on(hotlap):
     document = hotlap("plan", "straight.toml", "--json").document
-    assert set(document) == {"race", "duration", "lap_time", "max_speed", "mean_speed", "cpu_time", "gates", "segments"}
+    assert set(document) == {"race", "duration", "lap_time", "max_speed", "mean_speed", "cpu_time", "gates", "segments", "notes"}
     assert (document["race"], document["gates"], document["duration"]) == ("straight", 5, 5.0)
     assert document["segments"] == [
         {"class": "flat", "start": 0.0, "end": 2.5, "segment": 0},

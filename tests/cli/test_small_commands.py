@@ -7,9 +7,7 @@ from types import ModuleType
 
 import pytest
 
-from fake_world import make_scenario
 from hotlap.files.descriptions import Kind, load, names
-from hotlap.planning import cache, problem
 
 
 def test_every_built_in_race_is_listed(hotlap):
@@ -29,30 +27,46 @@ def test_races_as_json(hotlap):
     assert rows["split-s"]["v_max"] is None
 
 
-@pytest.mark.parametrize(("name", "kind"), [("circle-34", "race"), ("circle", "track"), ("hummingbird", "quadrotor")])
+@pytest.mark.usefixtures("faked")
+@pytest.mark.parametrize(("name", "kind"), [("straight.toml", "race"), ("circle", "track"), ("hummingbird", "quadrotor")])
 def test_check_says_what_anything_means(hotlap, name, kind):
     ran = hotlap("check", name)
-    assert (ran.code, ran.err) == (0, "")
+    assert ran.code == 0
+    assert all(line.endswith(" ...") for line in ran.err.splitlines())
+    assert bool(ran.err) == (kind == "race")
+    name, file = name.removesuffix(".toml"), name
     assert ran.out.startswith(f"{kind} {name}\n")
-    document = hotlap("check", name, "--json").document
+    document = hotlap("check", file, "--json").document
     assert (document["kind"], document["name"]) == (kind, name)
     assert all(set(finding) == {"label", "value", "remark", "level"} for finding in document["findings"])
     assert all(finding["label"] in ran.out for finding in document["findings"])
 
 
-def test_warnings_are_marked_in_words_and_coloured_on_terminals(hotlap, monkeypatch):
-    ran = hotlap("check", "airsim-final-22")
+SLOW_MOTORS = 'base = "hummingbird"\nrate_gain = [60.0, 60.0, 8.0]\n'
+
+
+def test_warnings_are_marked_in_words_and_coloured_on_terminals(hotlap, here, monkeypatch):
+    (here / "slow.toml").write_text(SLOW_MOTORS)
+    ran = hotlap("check", "slow.toml")
     assert "warning: " in ran.out
     assert "\x1b[" not in ran.out
+    assert ran.out.endswith("next: see to the warnings, then hotlap new race NAME --vehicle slow.toml\n")
     monkeypatch.setenv("FORCE_COLOR", "1")
-    assert "\x1b[1;31m" in hotlap("check", "airsim-final-22").out
+    assert "\x1b[1;31m" in hotlap("check", "slow.toml").out
 
 
-def test_check_knows_the_top_speed_of_a_race_that_was_planned(hotlap):
-    assert "top speed about " in hotlap("check", "straight.toml").out
-    reference = make_scenario().reference
-    cache.save(cache.key(problem.Problem.of(make_scenario().race)), reference)
-    assert f"top speed {reference.speeds.max():.0f} m/s" in hotlap("check", "straight.toml").out
+@pytest.mark.usefixtures("faked")
+def test_check_flies_as_often_as_it_is_asked_to(hotlap):
+    found = {finding["label"]: finding for finding in hotlap("check", "straight.toml", "--flights", "20", "--json").document["findings"]}
+    assert found["default weights"]["value"].endswith(" of 20 flights complete")
+    labels = {finding["label"] for finding in hotlap("check", "straight.toml", "--flights", "0", "--json").document["findings"]}
+    assert set(found) - labels >= {"default weights", "mean error", "difficulty"}
+
+
+@pytest.mark.parametrize("option", ["--reference", "--controller"])
+def test_what_only_a_race_has_is_refused_for_a_track(hotlap, option):
+    ran = hotlap("check", "circle", option, {"--reference": "straight.toml", "--controller": "mpc"}[option])
+    assert (ran.code, ran.err) == (2, f"hotlap: {option}: is of a race, not of a track\n")
 
 
 @pytest.mark.parametrize("kind", list(Kind))
@@ -61,14 +75,14 @@ def test_new_writes_a_file_that_checks(hotlap, here, kind):
     assert (ran.code, ran.err) == (0, "")
     assert ran.out == "wrote mine.toml; edit it, then: hotlap check mine.toml\n"
     assert load(here / "mine.toml").name == "mine"
-    assert hotlap("check", "mine.toml").code == 0
+    assert hotlap("check", "mine.toml", *(["--flights", "0"] if kind is Kind.RACE else [])).code == 0
 
 
 def test_a_drone_a_track_and_a_race_of_ones_own_are_four_commands(hotlap):
     hotlap("new", "quadrotor", "kite")
     hotlap("new", "track", "garden")
     assert hotlap("new", "race", "sunday", "--track", "garden.toml", "--vehicle", "kite.toml").code == 0
-    ran = hotlap("check", "sunday.toml")
+    ran = hotlap("check", "sunday.toml", "--flights", "0")
     assert [line.split()[:2] for line in ran.out.splitlines()[1:3]] == [["track", "garden"], ["vehicle", "kite"]]
     assert "warning" not in ran.out
     assert ran.out.endswith("next: hotlap tune sunday.toml\n")
@@ -77,7 +91,6 @@ def test_a_drone_a_track_and_a_race_of_ones_own_are_four_commands(hotlap):
 def test_check_says_what_to_do_next(hotlap):
     assert hotlap("check", "circle").out.endswith("next: hotlap new race NAME --track circle\n")
     assert hotlap("check", "hummingbird").out.endswith("next: hotlap new race NAME --vehicle hummingbird\n")
-    assert hotlap("check", "airsim-final-22").out.endswith("next: see to the warnings, then hotlap tune airsim-final-22\n")
 
 
 def test_a_track_is_drawn_with_its_gates_numbered(hotlap):

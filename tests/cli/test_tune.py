@@ -97,6 +97,21 @@ def test_a_goal_that_is_not_confirmed_is_exit_1_and_the_best_is_kept(hotlap, her
     assert (ran.code, ran.document["confirmed"], ran.document["flights"]) == (1, False, 30)
 
 
+def test_after_a_failure_with_a_reference_the_advice_is_about_that_reference(hotlap, here):
+    rows = [f"{k / 100},{20 * min(k / 100, 0.5) ** 2 + 20 * max(k / 100 - 0.5, 0)},0,1" for k in range(101)]  # 40 m/s^2 to 20 m/s
+    (here / "fast.csv").write_text("t,p_x,p_y,p_z\n" + "\n".join(rows))
+    ran = hotlap(*HARD, "--out", "mine", "--reference", "fast.csv", "--validation", "0")
+    assert ran.code == 1
+    assert "of the vehicle's thrust: no tuner will help; fly it slower\n" in ran.out
+    assert ran.out.endswith("what may be in the way: hotlap check straight.toml --reference fast.csv\n")
+    document = hotlap(*HARD, "--out", "mine", "--reference", "fast.csv", "--validation", "0", "--json").document
+    assert "no tuner will help" in document["advice"][0]
+    assert document["notes"][0] == "fast.csv: velocities follow from the positions"
+    plain = hotlap(*HARD, "--out", "plain")
+    assert "no tuner will help" not in plain.out
+    assert plain.out.endswith("what may be in the way: hotlap check straight.toml\n")
+
+
 def test_no_goal_is_nothing_to_fail_at(hotlap):
     ran = hotlap("tune", "straight.toml", "--goal", "none", "--budget", "20")
     assert ran.code == 0

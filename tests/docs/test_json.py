@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from docs.pages import DOCS
+from docs.pages import DOCS, ROOT
 from hotlap.cli import main
 
 ROW = re.compile(r"^\| `(\w+)` \| (.*) \|$", re.MULTILINE)
@@ -15,6 +15,7 @@ COMMANDS = {
     "races": [],
     "check": ["circle-34"],
     "new": ["track", "mine"],
+    "import": [str(ROOT / "tests" / "importers" / "samples" / "mrs.yaml")],
     "plan": ["circle-34"],
     "tune": ["circle-34", "--validation", "10", "--out", "study"],
     "fly": ["circle-34", "--flights", "2"],

@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 
 from hotlap.files.descriptions import Kind, load_quadrotor, load_race, load_track, names
-from hotlap.planning.feasibility import describe, unknown_latency
-from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, NoiseSettings
+from hotlap.planning.feasibility import describe
+from hotlap.planning.race_feasibility import unknown_latency
+from hotlap.race.gate_plane import plane_of
+from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, NoiseSettings, PlanDynamics
 
 TABLE_I = {"circle-20": 20, "circle-34": 34, "drop-20": 20, "flip-16": 16, "spiral-53": 53, "qualifier-20": 20, "final-22": 22}
 DEFAULT = [*TABLE_I, "spiral20-53", "soccer-medium-20"]
 AIRSIM = [name for name in names(Kind.RACE) if name.startswith("airsim-")]
+PAPER = [*DEFAULT, *AIRSIM]
+REAL = [name for name in names(Kind.RACE) if name.startswith("real-")]
+GATES = [name for name in names(Kind.TRACK) if name.endswith("-gates")]
 
 
 @pytest.mark.parametrize("name", names(Kind.TRACK))
@@ -39,7 +44,7 @@ def test_every_race_loads_and_its_plan_leaves_the_vehicle_some_thrust(name):
     assert all(plan <= limit for plan, limit in zip(race.planning_model.rate_limit, race.controller.rates, strict=True))
 
 
-@pytest.mark.parametrize("name", [name for name in names(Kind.RACE) if not name.startswith("split-s")])
+@pytest.mark.parametrize("name", PAPER)
 def test_the_number_in_a_races_name_is_v_max(name):
     assert load_race(name).planning.v_max == float(name.rsplit("-", 1)[1])
 
@@ -72,6 +77,59 @@ def test_the_airsim_suite_is_its_own_quadrotor_judged_by_closest_approach(name):
     assert (race.judge.rule, race.judge.distance, race.judge.window, race.judge.crash) == (GateRule.CLOSEST, 1.3, (1.0, 2.0), 10.0)
     assert race.controller == ControllerSettings()
     assert race.noise == NoiseSettings()
+
+
+@pytest.mark.parametrize("name", [*PAPER, "split-s"])
+def test_what_reproduces_the_paper_has_its_gates_and_its_planning_model(name):
+    race = load_race(name)
+    assert not race.track.has_openings
+    assert race.judge.rule is not GateRule.OPENING
+    assert race.planning.dynamics is PlanDynamics.IDEAL
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_the_real_suite_has_openings_and_one_setting_for_all(name):
+    race, base = load_race(name), load_race("real-circle")
+    assert race.judge.rule is GateRule.OPENING
+    assert race.planning.model_copy(update={"nodes": base.planning.nodes}) == base.planning
+    assert race.planning.dynamics is PlanDynamics.FULL
+    assert race.noise == NoiseSettings()
+    assert race.control_model == race.vehicle, "controller and planner know the vehicle"
+    vehicle = load_quadrotor("airsim-122m") if "airsim" in name else load_quadrotor("hummingbird").model_copy(update={"delay": 0.045})
+    assert race.vehicle == vehicle
+    assert race.controller.thrust[1] == pytest.approx(race.vehicle.max_acceleration, rel=2e-3)
+
+
+def test_both_vehicles_fly_the_same_real_tracks():
+    hummingbird = {load_race(name).track.name for name in REAL if "airsim" not in name}
+    assert hummingbird == {load_race(name).track.name for name in REAL if "airsim" in name} == set(GATES)
+
+
+@pytest.mark.parametrize("name", GATES)
+def test_a_track_with_real_gates_has_the_positions_of_the_papers_and_looks_along_the_flight(name):
+    real, plain = load_track(name), load_track(name.removesuffix("-gates"))
+    assert np.array_equal(real.waypoints, plain.waypoints)
+    points = np.vstack([real.start, real.waypoints])
+    legs = np.diff(points, axis=0) / np.linalg.norm(np.diff(points, axis=0), axis=1)[:, None]
+    for gate, before, behind in zip(real.counted, legs, legs[1:], strict=False):
+        assert gate.side == 1.6
+        assert gate.rotation[:, 0] @ (before + behind) > 0
+    assert "inferred" in real.provenance
+
+
+@pytest.mark.parametrize("name", [name for name in names(Kind.RACE) if load_race(name).track.has_openings])
+def test_a_vehicle_fits_through_every_opening(name):
+    race = load_race(name)
+    rooms = [plane.room for gate in race.track.counted if (plane := plane_of(gate, race.judge.distance))]
+    assert min(rooms) > 1.3 * race.vehicle.outer_radius
+
+
+def test_the_airsim_vehicle_of_real_races_has_the_air_of_122_metres():
+    old, new = load_quadrotor("airsim"), load_quadrotor("airsim-122m")
+    thinner = 1.210716 / 1.225
+    assert new.rotor_thrust[1] / old.rotor_thrust[1] == pytest.approx(thinner, rel=1e-4)
+    assert np.divide(new.body_drag, old.body_drag) == pytest.approx([thinner] * 3, rel=1e-4)
+    assert (new.mass, new.arm, new.inertia) == (old.mass, old.arm, old.inertia)
 
 
 def test_only_qualifier_and_soccer_medium_are_planned_with_the_strong_model():
@@ -110,6 +168,12 @@ def test_the_hummingbirds_drag_and_rate_loop_are_rotors_own():
         ("final", 26, 507.2664),
         ("soccer-medium", 25, 473.9886),
         ("split-s", 20, 190.0512),
+        ("togt-7g", 7, 80.5223),
+        ("a2rl-10g", 10, 68.8843),
+        ("lsy-level0", 4, 6.6296),
+        ("iros2022", 4, 9.1325),
+        ("flightgoggles-hard", 11, 223.3051),
+        ("dynopt-7", 7, 193.3598),
     ],
 )
 def test_no_coordinate_has_moved(name, gates, length):

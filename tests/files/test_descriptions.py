@@ -172,7 +172,7 @@ FAULTS = [
     (load_race, RACE + '[planning.quadrotor]\nbase = "airsim"\nmass = 700', "planning.quadrotor.mass", "did you mean 0.7?"),
     (load_race, RACE + "planning = 5", "planning", "must be a table, not 5"),
     (load_race, RACE + "[planning]\nquadrotor = { base = 5 }", "planning.quadrotor.base", "must be a name or a path"),
-    (load_race, RACE + '[judge]\nrule = "x"', "judge.rule", '"clock", "closest" or "released"'),
+    (load_race, RACE + '[judge]\nrule = "x"', "judge.rule", '"clock", "closest", "opening" or "released"'),
     (load_race, RACE + "[controller]\nperiod = 0.003", "controller.period", "a multiple"),
     (load_race, RACE + "[controller]\nnodes = 5.5", "controller.nodes", "whole number"),
     (load_race, RACE + "[controller]\nfeed_forward = 1", "controller.feed_forward", "true or false"),
@@ -232,6 +232,13 @@ def test_any_misspelt_key_is_named(write, name, letter):
     error = refusal(load_quadrotor, write(f'base = "hummingbird"\n{name + letter} = 1\n'))
     assert error.key == name + letter
     assert "there is no such key" in error.reason
+
+
+def test_a_saved_track_has_its_gates_as_a_person_writes_them(write, tmp_path):
+    gates = "gates = [\n  [1.0, 2.0, 3.0],\n  { position = [4.0, 5.0, 6.0], yaw = 0.0, side = 1.5 },\n]\n"
+    track = load_track(write("start = [0, 0, 0]\n" + gates))
+    save(tmp_path / "again.toml", track)
+    assert gates in (tmp_path / "again.toml").read_text()
 
 
 @pytest.mark.parametrize("kind", list(Kind))

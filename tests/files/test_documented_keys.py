@@ -1,13 +1,17 @@
 import pytest
 
 from hotlap.files.documented_keys import documented_keys, table_of
-from hotlap.race import race, track
+from hotlap.race import gate, obstacles, race, track
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.schema import Described
 
 DESCRIPTIONS = [
     track.Track,
-    track.Gate,
+    gate.Gate,
+    gate.Opening,
+    obstacles.Pole,
+    obstacles.Sphere,
+    obstacles.Box,
     Quadrotor,
     race.Race,
     race.PlanningSettings,
@@ -47,7 +51,7 @@ def test_a_table_is_known_through_options_and_lists():
 
 def test_choices_are_listed():
     rule = next(key for key in documented_keys(race.JudgeSettings) if key.name == "rule")
-    assert rule.meaning.endswith("clock, closest, released")
+    assert rule.meaning.endswith("clock, closest, opening, released")
 
 
 class Rod(Described):

@@ -25,6 +25,13 @@ def test_what_is_written_reads_back_equal(table):
     assert same(tomllib.loads(toml_writer.write(table)), table)
 
 
+@given(st.dictionaries(text, values, max_size=5))
+def test_lists_of_tables_may_take_a_line_for_each(table):
+    written = toml_writer.write(table, inline_lists=True)
+    assert same(tomllib.loads(written), table)
+    assert "\n[[" not in written
+
+
 @given(values)
 def test_a_value_takes_one_line(value):
     line = toml_writer.write_value(value)
@@ -38,3 +45,11 @@ def test_nothing_is_written_for_none():
 
 def test_gates_take_a_line_each():
     assert toml_writer.write({"gates": [[1.0, 2.0], [3.0, 4.0]]}) == "gates = [\n  [1.0, 2.0],\n  [3.0, 4.0],\n]\n"
+
+
+def test_poles_take_a_line_each_where_lists_are_inline():
+    poles = [{"position": [0.0, 0.75], "radius": 0.015, "top": 1.55}, {"position": [1.0, 0.25], "radius": 0.015, "top": None}]
+    written = toml_writer.write({"poles": poles}, inline_lists=True)
+    assert written == (
+        "poles = [\n  { position = [0.0, 0.75], radius = 0.015, top = 1.55 },\n  { position = [1.0, 0.25], radius = 0.015 },\n]\n"
+    )

@@ -12,6 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from hall import make_hall
+from hotlap.report.page.writing import render
+from studies import begin, configure
+
 PAGE = Path(__file__).parents[2] / "page"
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 HOTLAP = [sys.executable, "-m", "hotlap"]
@@ -60,6 +64,12 @@ def test_the_page_of_a_study_does_what_it_should(tmp_path):
     hotlap("tune", *RACE, "--budget", "40", "--validation", "40", "--out", str(tmp_path / "study"))
     drive("browser/study.mjs", str(tmp_path / "study/report.html"), str(tmp_path / "pictures"))
     assert {path.name for path in (tmp_path / "pictures").iterdir()} == {"desktop.png", "phone.png", "print.pdf", "without-script.png"}
+
+
+def test_a_track_with_openings_and_obstacles_is_drawn_from_every_camera(tmp_path):
+    page = tmp_path / "hall.html"
+    page.write_text(render(begin(tmp_path / "study", configure(make_hall())), None), encoding="utf-8")
+    drive("browser/hall.mjs", str(page))
 
 
 def test_the_page_follows_a_study_that_runs(tmp_path):

@@ -11,7 +11,9 @@ import pytest
 from PIL import Image
 
 from fake_world import make_scenario
+from hall import HALL, make_hall
 from hotlap.core.errors import InputError
+from hotlap.race.obstacles import Sphere
 from hotlap.race.quadrotor import RotorLayout, torque_matrix
 from hotlap.report.film import recording
 from hotlap.report.film.drone import draw_drone, turn
@@ -19,7 +21,8 @@ from hotlap.report.film.film import LONGEST, pace_of, write_film
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.recording import check_recorder, find_ffmpeg, record
 from hotlap.report.page.replay import choose
-from hotlap.report.projection import aim, rings
+from hotlap.report.projection import aim, gate_lines, ground_level, rings, standing_lines
+from hotlap.report.scene import stage
 from plausible_world import OPTIMUM, PlausibleWorld
 from studies import begin, carry, configure
 
@@ -75,6 +78,28 @@ def test_a_gate_is_a_circle_across_the_flight(normal):
     np.testing.assert_allclose(np.linalg.norm(ring - [1, 2, 3], axis=1), 1.3)
     np.testing.assert_allclose((ring - [1, 2, 3]) @ np.array(normal), 0, atol=1e-12)
     np.testing.assert_allclose(ring[0], ring[-1])
+
+
+def test_a_film_shows_openings_as_they_stand_and_bare_points_as_circles_across_the_plan():
+    scene = stage(make_hall())
+    lines = gate_lines(scene, 0.01)
+    assert len(lines) == len(scene.gates)
+    for shape, drawn in zip(scene.structures.gates, lines, strict=True):
+        if shape.plane is None:
+            (ring,) = drawn
+            np.testing.assert_allclose(np.linalg.norm(ring - shape.centre, axis=1), shape.radius)
+        else:
+            assert len(drawn) == len(shape.rims) + len(shape.walls) + (shape.normal is not None)
+            np.testing.assert_array_equal(drawn[0], shape.rims[0])
+
+
+def test_a_film_shows_obstacles_and_box_but_nothing_far_from_the_track():
+    scene = stage(make_hall())
+    everything = np.vstack(standing_lines(scene))
+    assert {tuple(corner) for corner in everything} >= {HALL.boxes[0].low, HALL.boxes[0].high, HALL.box.low, HALL.box.high}
+    far = HALL.model_copy(update={"spheres": (Sphere(position=(9000.0, 0.0, 0.0), radius=1.0),)})
+    assert np.vstack(standing_lines(stage(make_hall(far))))[:, 0].max() < 100
+    assert standing_lines(stage(make_scenario())) == ()
 
 
 def test_a_drone_turns_with_its_attitude():
@@ -167,3 +192,9 @@ def test_without_ffmpeg_an_mp4_is_refused_in_one_line(tmp_path, monkeypatch):
 def test_a_film_that_cannot_be_written_is_an_input_error(tmp_path, name):
     with pytest.raises(InputError, match="cannot be written"):
         record(tmp_path / "nowhere" / name, frames())
+
+
+def test_the_ground_of_a_film_is_the_floor_on_which_something_stands():
+    assert ground_level(stage(make_hall())) == HALL.floor
+    bare = make_scenario()
+    assert ground_level(stage(bare)) < bare.reference.position[:, 2].min()

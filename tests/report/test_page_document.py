@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fake_world import make_scenario
+from hall import GATES, HALL, POINT, UNCOUNTED, make_hall
 from hotlap.core.ledger import Ledger
 from hotlap.core.seeds import Stream
 from hotlap.files import toml_writer
@@ -17,17 +18,8 @@ from hotlap.files.descriptions import load_race
 from hotlap.race.quadrotor import RotorLayout
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.report.effort import Effort
-from hotlap.report.page.document import (
-    MOST_ROWS,
-    MOST_SAMPLES,
-    dump_scenario,
-    dump_study,
-    dump_trace,
-    number,
-    pack,
-    thin,
-    write_json,
-)
+from hotlap.report.page.document import MOST_SAMPLES, dump_scenario, dump_study, dump_trace, write_json
+from hotlap.report.page.packing import MOST_ROWS, number, pack, thin
 from hotlap.report.page.replay import replay_finished, replay_running
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
@@ -185,8 +177,11 @@ def test_a_study_of_failures_has_a_document(tmp_path, world, goal):
     assert document["sensitivity"]["by_segment"]["shape"] == [2, 5]
 
 
-@pytest.mark.parametrize(("rule", "name"), [(GateRule.CLOCK, "clock"), (GateRule.CLOSEST, "approach"), (GateRule.RELEASED, "approach")])
-def test_the_rule_is_one_of_two(tmp_path, rule, name):
+NAMES = {GateRule.CLOCK: "clock", GateRule.CLOSEST: "approach", GateRule.RELEASED: "approach", GateRule.OPENING: "opening"}
+
+
+@pytest.mark.parametrize(("rule", "name"), NAMES.items())
+def test_the_rule_is_one_of_three(tmp_path, rule, name):
     snapshot = begin(tmp_path, configure(make_scenario(JudgeSettings(rule=rule, fly_on=True))))
     assert dump_study(snapshot, None)["scenario"]["rule"] == name
 
@@ -209,3 +204,36 @@ def test_the_rotors_are_where_the_plant_has_them(layout):
     np.testing.assert_allclose([y, -x], vehicle.torque_matrix[:2], atol=1e-15)
     np.testing.assert_allclose(np.hypot(x, y), vehicle.arm)
     assert (x[0], y[0]) == pytest.approx((vehicle.arm, 0) if layout is RotorLayout.PLUS else (vehicle.arm * 0.5**0.5,) * 2)  # in front
+
+
+def test_gates_that_are_more_than_points_are_sent_once_with_their_lines_about_their_centres():
+    scenario = make_hall()
+    document = json.loads(write_json(dump_scenario(scenario)))
+    shapes = document["gate_shapes"]
+    assert len(shapes) == len(GATES) - 2  # two bare points
+    counted = sorted(gate for shape in shapes for gate in shape["gates"])
+    assert counted == [gate for gate in range(18) if scenario.race.track.counted[gate] != POINT]
+    for shape in shapes:
+        for gate in shape["gates"]:
+            np.testing.assert_array_equal(shape["centre"], scenario.race.track.counted[gate].position)
+        for line in map(unpack, shape["rims"]):
+            if shape["normal"]:
+                np.testing.assert_allclose(np.abs(line @ np.array(shape["normal"])), shape["depth"] / 2, atol=1e-6)
+            assert np.linalg.norm(line, axis=1).max() >= shape["reach"] - 1e-6
+    (point,) = unpack(document["points"])
+    np.testing.assert_array_equal(point, UNCOUNTED.position)
+
+
+def test_obstacles_box_and_ceiling_are_sent_as_they_are_written():
+    document = json.loads(write_json(dump_scenario(make_hall())))
+    for kind in ("poles", "spheres", "boxes"):
+        assert document[kind] == json.loads(json.dumps([one.model_dump() for one in getattr(HALL, kind)]))
+    assert document["box"] == {"low": list(HALL.box.low), "high": list(HALL.box.high)}
+    assert document["ceiling"] == HALL.ceiling
+    np.testing.assert_allclose(document["bounds"], [HALL.box.low, HALL.box.high])
+
+
+def test_a_track_of_bare_points_sends_points_alone():
+    document = dump_scenario(make_scenario())
+    assert document["gate_shapes"] == document["poles"] == document["spheres"] == document["boxes"] == []
+    assert document["box"] is document["ceiling"] is document["bounds"] is None

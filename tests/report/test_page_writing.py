@@ -12,7 +12,8 @@ from fake_world import make_scenario
 from hotlap.core.errors import InputError, StudyError
 from hotlap.report.page import writing
 from hotlap.report.page.replay import replay_finished
-from hotlap.report.page.static import draw_track_map, render_static, summary_of
+from hotlap.report.page.static import render_static, summary_of
+from hotlap.report.page.static_map import draw_track_map
 from hotlap.report.page.writing import DATA, REPORT, STATIC, TITLE, LiveStudy, fill, load_template, render, write_report
 from hotlap.report.scene import stage
 from hotlap.study.study import Study

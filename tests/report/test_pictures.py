@@ -20,8 +20,8 @@ from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.report import figures, pictures
+from hotlap.report.canvas import CLASS_CODES
 from hotlap.report.history import compare, recount
-from hotlap.report.map import CLASS_CODES
 from hotlap.report.page.replay import choose, demonstrate
 from hotlap.report.pictures import FORMATS, draw, draw_everything, draw_plan, figures_of, save
 from hotlap.report.scene import stage

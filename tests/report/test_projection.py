@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from fake_world import make_scenario
 from hotlap.report import figures
 from hotlap.report.map import draw_map
-from hotlap.report.page.static import draw_track_map
+from hotlap.report.page.static_map import draw_track_map
 from hotlap.report.projection import LEAST_EXTENT, Layer, box_of, scene_views, views_of, widen
 from hotlap.report.scene import stage
 

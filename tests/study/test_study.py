@@ -22,7 +22,7 @@ from hotlap.core.errors import InputError, StudyError
 from hotlap.core.seeds import Stream
 from hotlap.race.race import JudgeSettings
 from hotlap.reference.segmentation import SegmentClass, Segments
-from hotlap.study.configuration import Configuration, load_configuration, pack_reference, unpack_reference
+from hotlap.study.configuration import Configuration, first_difference, load_configuration, pack_reference, unpack_reference
 from hotlap.study.database import FILE, Database
 from hotlap.study.increments import grow
 from hotlap.study.study import Study, new_folder
@@ -361,6 +361,16 @@ def test_where_numbers_come_from_may_be_reworded(tmp_path):
     scenario = replace(base.scenario, race=base.scenario.race.model_copy(update={"provenance": "reworded"}))
     with Study.open(tmp_path, replace(base, scenario=scenario)) as study:
         assert study.result is None
+
+
+def test_keys_that_a_study_of_before_does_not_know_have_their_defaults():
+    now = long().dump()
+    before = json.loads(json.dumps(now))
+    before["race"]["track"].pop("laps")
+    before["race"]["vehicle"].pop("radius")
+    assert first_difference(before, now) is None
+    before["race"]["track"]["laps"] = 2
+    assert first_difference(before, now) == ("race.track.laps", 2, 1)
 
 
 def test_a_larger_budget_goes_on_and_equals_one_run_of_that_budget(tmp_path):

@@ -25,13 +25,13 @@ function axisSwitch(app: App): HTMLElement {
 }
 
 function error(app: App): Quantity {
-  const { gate_distance } = app.parts.scenario.value;
+  const { gate_distance, rule } = app.parts.scenario.value;
   return {
     title: "tracking error",
     unit: "m",
     height: 190,
     of: (trace) => trace.error,
-    line: { value: gate_distance, name: `a gate counts within ${digits(gate_distance)} m` },
+    line: rule === "opening" ? undefined : { value: gate_distance, name: `a gate counts within ${digits(gate_distance)} m` },
     most: 4 * gate_distance, // a flight that leaves would hide all others
   };
 }

@@ -28,7 +28,8 @@ export function stage(app: App, map: SVGElement | null): Stage {
       const scene = new TrackScene(app, canvas);
       new ResizeObserver(() => scene.resize(place.clientWidth, place.clientHeight)).observe(place);
       scene.resize(place.clientWidth, place.clientHeight);
-      ground.textContent = `grid ${scene.cell} m; drones not to scale`;
+      const enlarged = app.parts.scenario.value.gate_shapes.length ? "drones and far gates" : "drones";
+      ground.textContent = `grid ${scene.cell} m; ${enlarged} not to scale`;
       return scene;
     } catch (error) {
       canvas.replaceWith(h("div", { class: "map" }, map, h("p", {}, `No 3-D scene: ${error instanceof Error ? error.message : "WebGL is missing"}. This is the track from above.`)));

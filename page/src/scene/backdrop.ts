@@ -23,7 +23,7 @@ export class Backdrop {
     readonly palette: Palette,
   ) {
     this.cell = step(Math.max(extent.high[0] - extent.low[0], extent.high[1] - extent.low[1]));
-    const ground = scenario.floor ?? extent.low[2] - Math.max(1, 0.04 * this.size(extent));
+    const ground = groundOf(scenario, extent);
     this.group.add(this.grid(extent, ground), this.plumbs(scenario, ground));
     this.group.add(hair(scenario.reference.position.values, palette.quiet));
     for (const piece of scenario.pieces) {
@@ -43,10 +43,6 @@ export class Backdrop {
     for (const piece of this.pieces) piece.line.visible = piece.segment === segment;
   }
 
-  private size(extent: Extent): number {
-    return Math.max(...extent.high.map((high, k) => high - extent.low[k]));
-  }
-
   private grid(extent: Extent, ground: number): LineSegments {
     const points: number[] = [];
     const [x0, y0] = [0, 1].map((k) => this.cell * (Math.floor(extent.low[k] / this.cell) - 1));
@@ -60,13 +56,20 @@ export class Backdrop {
     const points: number[] = [];
     for (let gate = 0; gate < scenario.gates.shape[0]; gate++) {
       const [x, y, z] = row(scenario.gates, gate);
-      points.push(x, y, Math.max(z - scenario.gate_distance, ground), x, y, ground);
+      const shape = scenario.gate_shapes.find(({ gates }) => gates.includes(gate));
+      points.push(x, y, Math.max(z + (shape?.bottom ?? -scenario.gate_distance), ground), x, y, ground);
     }
     return thin(points, this.palette.quiet, 0.35);
   }
 }
 
-function thin(points: readonly number[], colour: string, opacity: number): LineSegments {
+/** [m] height of the ground that is drawn. */
+export function groundOf(scenario: Scenario, extent: Extent): number {
+  const size = Math.max(...extent.high.map((high, k) => high - extent.low[k]));
+  return scenario.floor ?? extent.low[2] - Math.max(1, 0.04 * size);
+}
+
+export function thin(points: readonly number[], colour: string, opacity: number): LineSegments {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
   return new LineSegments(geometry, new LineBasicMaterial({ color: new Color(colour), transparent: opacity < 1, opacity }));

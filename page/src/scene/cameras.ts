@@ -71,7 +71,8 @@ export class Cameras {
 
   /** [m] behind the drone. */
   get followed(): number {
-    return Math.max(5, 4 * this.scenario.gate_distance);
+    const longest = Math.max(...this.extent.high.map((high, k) => high - this.extent.low[k]));
+    return Math.max(Math.min(5, longest / 2), 4 * this.scenario.gate_distance);
   }
 
   private keep(): void {
@@ -118,13 +119,27 @@ export class Cameras {
   }
 }
 
-/** What has to be seen: the reference and the gates. */
+/** What has to be seen: the reference, the gates, and what stands near them. */
 function sight(scenario: Scenario): Vector3[] {
   const { position } = scenario.reference;
   const stride = Math.max(1, Math.floor(position.shape[0] / 150));
   const path = Array.from({ length: Math.ceil(position.shape[0] / stride) }, (_, i) => row(position, i * stride));
   const gates = Array.from({ length: scenario.gates.shape[0] }, (_, gate) => row(scenario.gates, gate));
-  return [...path, ...gates].map((point) => new Vector3().fromArray(point));
+  return [...[...path, ...gates].map((point) => new Vector3().fromArray(point)), ...standing(scenario)];
+}
+
+/** Corners of openings and obstacles, as far as they lie within what is drawn. */
+function standing(scenario: Scenario): Vector3[] {
+  if (!scenario.bounds) return [];
+  const [low, high] = scenario.bounds.map((bound) => new Vector3().fromArray([...bound]));
+  const openings = scenario.gate_shapes.flatMap(({ centre, rims, frames }) => {
+    const place = new Vector3().fromArray([...centre]);
+    return [...rims, ...frames].flatMap((rim) => Array.from({ length: rim.shape[0] }, (_, i) => new Vector3().fromArray(row(rim, i)).add(place)));
+  });
+  const poles = scenario.poles.flatMap(({ position: [x, y], bottom, top }) => [bottom ?? scenario.floor ?? low.z, top ?? high.z].map((z) => new Vector3(x, y, z)));
+  const spheres = scenario.spheres.flatMap(({ position, radius }) => [-radius, radius].map((r) => new Vector3(...position).addScalar(r)));
+  const boxes = scenario.boxes.flatMap((box) => [new Vector3(...box.low), new Vector3(...box.high)]);
+  return [...openings, ...[...poles, ...spheres, ...boxes].map((point) => point.clamp(low, high))];
 }
 
 /** Moves a camera, and what it looks at, so that points fill the view from one side. */

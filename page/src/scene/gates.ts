@@ -1,40 +1,51 @@
-/** Gates: rings with the radius within which a gate is passed, normal to the reference, with their numbers. */
+/** Gates: openings as they are, else rings with the radius within which a gate is passed, normal to the reference; with their numbers. */
 import { Group, type PerspectiveCamera, type Sprite, Vector3 } from "three";
 import type { Palette } from "../colours";
 import type { Scenario } from "../data";
 import { row } from "../table";
 import { between, find } from "../flight";
 import { runs } from "../format";
+import { circle } from "./circle";
 import { type Ribbon, ribbon, ribbons } from "./lines";
+import { Opening } from "./opening";
 import { label } from "./sprites";
 
 const NEAR = 0.5; // m, of gates that count as one place
-const CORNERS = 40;
 const ROOM = 0.042; // of the height of the view, that a number takes
 
 export class Gates {
   readonly group = new Group();
-  private readonly marked: Ribbon[] = [];
-  private readonly numbers: { readonly sprite: Sprite; readonly gates: readonly number[] }[] = [];
+  private readonly marked: { readonly line: Ribbon; readonly gates: readonly number[] }[] = [];
+  private readonly openings: readonly Opening[];
+  private readonly numbers: { readonly sprite: Sprite; readonly gates: readonly number[]; readonly opening: Opening | undefined }[] = [];
 
   constructor(
     private readonly scenario: Scenario,
     palette: Palette,
   ) {
-    const circles = Array.from({ length: scenario.gates.shape[0] }, (_, gate) => circle(scenario, gate));
-    this.group.add(ribbons(circles, 1.5, palette.quiet));
-    this.marked = circles.map((points) => ribbon(points, 3.5, palette.ink));
-    this.group.add(...this.marked);
+    const across = (gate: number): Vector3 => heading(scenario, gate);
+    this.openings = scenario.gate_shapes.map((shape) => new Opening(shape, palette, across(shape.gates[0] ?? 0)));
+    const shaped = new Set(scenario.gate_shapes.flatMap((shape) => shape.gates));
+    const bare = Array.from({ length: scenario.gates.shape[0] }, (_, gate) => gate).filter((gate) => !shaped.has(gate));
+    const circles = bare.map((gate) => circle([...row(scenario.gates, gate)], across(gate), scenario.gate_distance));
+    if (bare.length) this.group.add(ribbons(circles, 1.5, palette.quiet));
+    this.marked = bare.map((gate, i) => ({ line: ribbon(circles[i], 3.5, palette.ink), gates: [gate] }));
+    this.group.add(...this.marked.map(({ line }) => line), ...this.openings.map((opening) => opening.group));
+    this.marked.push(...this.openings.map((opening) => ({ line: opening.marked, gates: opening.shape.gates })));
     for (const members of group(scenario)) this.number(members, palette);
   }
 
   /** Marks the next gate at a time, and those of a segment. */
   update(time: number, segment: number | null): void {
     const next = this.scenario.gate_times.values.findIndex((gate) => gate >= time);
-    this.marked.forEach((ring, gate) => {
-      const mine = segment !== null && this.scenario.gate_segments[gate] === segment;
-      ring.visible = mine || gate === next;
-    });
+    const mine = (gate: number): boolean => segment !== null && this.scenario.gate_segments[gate] === segment;
+    for (const { line, gates } of this.marked) line.visible = gates.some((gate) => gate === next || mine(gate));
+  }
+
+  /** Keeps openings large enough to be seen, with their numbers above them. */
+  resize(least: (place: Vector3) => number): void {
+    for (const opening of this.openings) opening.resize(least(opening.group.position));
+    for (const { sprite, opening } of this.numbers) if (opening) sprite.position.z = opening.above;
   }
 
   /** Hides numbers that would cover others: the next gates come first, then those that are near. */
@@ -56,27 +67,12 @@ export class Gates {
   private number(members: readonly number[], palette: Palette): void {
     const sprite = label(runs(members, 3), palette.ink, palette.face);
     sprite.position.fromArray(row(this.scenario.gates, members[0]));
-    sprite.position.z += this.scenario.gate_distance * 1.05;
+    const opening = this.openings.find(({ shape }) => shape.gates.includes(members[0]));
+    sprite.position.z = opening?.above ?? sprite.position.z + this.scenario.gate_distance * 1.05;
     sprite.center.set(0.5, -0.05);
     this.group.add(sprite);
-    this.numbers.push({ sprite, gates: members });
+    this.numbers.push({ sprite, gates: members, opening });
   }
-}
-
-/** Points around a gate, across the way of the reference. */
-function circle(scenario: Scenario, gate: number): Float32Array {
-  const way = heading(scenario, gate);
-  const middle = new Vector3().fromArray(row(scenario.gates, gate));
-  const across = new Vector3(0, 0, 1).cross(way);
-  if (across.lengthSq() < 1e-6) across.set(1, 0, 0);
-  across.normalize();
-  const up = way.clone().cross(across);
-  const points = Array.from({ length: CORNERS + 1 }, (_, i) => {
-    const angle = (2 * Math.PI * i) / CORNERS;
-    const [x, y] = [scenario.gate_distance * Math.cos(angle), scenario.gate_distance * Math.sin(angle)];
-    return middle.clone().addScaledVector(across, x).addScaledVector(up, y).toArray();
-  });
-  return Float32Array.from(points.flat());
 }
 
 /** Unit vector along the reference at a gate. */

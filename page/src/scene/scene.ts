@@ -8,12 +8,14 @@ import { Backdrop, type Extent } from "./backdrop";
 import { Cameras } from "./cameras";
 import { armOf, Drone } from "./drone";
 import { Gates } from "./gates";
+import { obstacles } from "./obstacles";
 import { crosses } from "./sprites";
 import { Trail } from "./trail";
 import { View } from "./view";
 
 const DRONE = 14; // pixels of an arm
 const FOLLOWED = 30;
+const GATE = 7; // pixels from the middle of an opening to its rim, at least
 
 export class TrackScene {
   readonly view: View;
@@ -66,7 +68,7 @@ export class TrackScene {
     this.content = new Group();
     this.backdrop = new Backdrop(scenario, extent(scenario), colours);
     this.gates = new Gates(scenario, colours);
-    this.content.add(this.backdrop.group, this.gates.group);
+    this.content.add(this.backdrop.group, obstacles(scenario, extent(scenario), colours), this.gates.group);
     this.addFlights(scenario);
     this.view.scene.add(this.content);
     this.view.paint(colours.face);
@@ -94,6 +96,7 @@ export class TrackScene {
     this.gates.update(time, this.app.lit.value);
     this.backdrop.light(this.app.lit.value);
     this.cameras.update(time, this.drones[0]?.group.position ?? null);
+    this.gates.resize((place) => this.cameras.metres(place, GATE, this.view.height));
     this.gates.declutter(this.cameras.camera, time);
     const least = armOf(this.app.parts.scenario.value.rotors);
     for (const drone of this.drones) {
@@ -104,7 +107,7 @@ export class TrackScene {
   }
 }
 
-/** Corners of the box around reference and gates. */
+/** Corners of the box around reference, gates and what stands on the track. */
 function extent(scenario: Scenario): Extent {
   const low = new Vector3(Infinity, Infinity, Infinity);
   const high = new Vector3(-Infinity, -Infinity, -Infinity);
@@ -114,6 +117,10 @@ function extent(scenario: Scenario): Extent {
       low.min(point);
       high.max(point);
     }
+  }
+  if (scenario.bounds) {
+    low.min(new Vector3().fromArray([...scenario.bounds[0]]));
+    high.max(new Vector3().fromArray([...scenario.bounds[1]]));
   }
   return { low: low.toArray(), high: high.toArray() };
 }

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from multiprocessing import parent_process
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ class Cell:
         world: where.
         segments: how the reference is cut.
         first_guess: name of where its runs begin.
+        reference: the CSV that is flown; None: the race's plan.
     """
 
     race: Race
@@ -49,12 +51,13 @@ class Cell:
     world: str = worlds.DEFAULT
     segments: SegmentationRule = SegmentationRule.PAPER
     first_guess: str = DEFAULT
+    reference: Path | None = None
 
     @cached_property
     def key(self) -> str:
         """Changes with everything that decides about a run, but for its seed and the source code."""
         tuner = tuners.build(self.tuner)
-        scenario = scenario_for(prepare(self.race, segments=self.segments), tuner)
+        scenario = scenario_for(prepare(self.race, self.reference, segments=self.segments), tuner)
         first, goal = first_guess(scenario, self.first_guess), self.settings.goal
         fingerprint = Configuration(scenario, self.world, goal.metric, tuner.name, self.settings, first).fingerprint
         return f"{fingerprint}-{self.settings.budget}"
@@ -190,7 +193,7 @@ class _Progress:
 def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
     """The runs of cells that share a scenario, as they end."""
     first = cells[0]
-    scenario = scenario_for(prepare(first.race, segments=first.segments), tuners.build(first.tuner))
+    scenario = scenario_for(prepare(first.race, first.reference, segments=first.segments), tuners.build(first.tuner))
     world = worlds.build(first.world)
     if isinstance(world, BuiltIn) and parent_process() is not None:
         world.threads = 1  # there is a worker for each processor

@@ -12,7 +12,7 @@ from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of
 from hotlap.analysis.comparison_table import Row, markdown, overall, rows_of
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.api.asked import Asked
-from hotlap.api.inputs import one_of
+from hotlap.api.inputs import as_path, check_source, one_of
 from hotlap.api.outcome import Outcome
 from hotlap.api.rates import Flown
 from hotlap.api.scenarios import load, make_ready, make_scenario
@@ -140,10 +140,17 @@ def _cells(asked: Asked) -> list[Cell]:
     same = {"goal": parse_goal(asked.goal), "reliability": 0.0, **numbers}
     settings = {name: TuningSettings(budget=budget_of(name, budgets), **same) for name in names}
     seeds, rule = tuple(range(asked.seeds)), one_of(SegmentationRule, asked.segments, "segmentation rule", "segments")
-    races = _races(asked)
+    races, reference = _races(asked), as_path(asked.reference)
+    check_source(reference)
+    if reference is not None and len(races) > 1:
+        raise InputError("", "reference", f"belongs to one race; {len(races)} are asked for")
     for race in races:
         make_ready(world, make_scenario(race, asked), asked.progress)
-    return [Cell(race, name, settings[name], seeds, asked.on, rule, asked.first_guess) for race in races for name in dict.fromkeys(names)]
+    return [
+        Cell(race, name, settings[name], seeds, asked.on, rule, asked.first_guess, reference)
+        for race in races
+        for name in dict.fromkeys(names)
+    ]
 
 
 def _races(asked: Asked) -> list[Race]:

@@ -30,6 +30,7 @@ def compare(
     validation: int = 50,
     first_guess: str = DEFAULT,
     jobs: int = 0,
+    reference: str | Path | None = None,
     segments: str = SegmentationRule.PAPER,
     controller: str | None = None,
     on: str = "built-in",
@@ -52,6 +53,7 @@ def compare(
         validation: flights of each result with fresh noise.
         first_guess: where all begin.
         jobs: processes; 0: one a processor.
+        reference: read this CSV instead of planning; of one race.
         segments: how the reference is cut.
         controller: which one flies; None: the race's.
         on: where to fly.

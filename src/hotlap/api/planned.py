@@ -79,6 +79,7 @@ class PlannedReference(Outcome):
             "cpu_time": float(reference.cpu_time),
             "gates": len(reference.gate_times),
             "segments": [{"class": piece.kind, "start": piece.start, "end": piece.end, "segment": piece.segment} for piece in pieces],
+            "notes": list(self.scenario.notes),
             **{kind: str(path) for kind, path in files.items() if path is not None},
         }
 

@@ -39,7 +39,7 @@ def load(race: Race | str | Path, controller: str | None) -> Race:
 
 
 def make_scenario(race: Race, asked: Asked, *, cache: bool = True) -> Scenario:
-    """Plan a race, or read its reference, and cut it by the rule that is asked for.
+    """Plan a race, or read its reference, and cut it by the rule that is asked for; says what was assumed about a reference.
 
     Raises:
         InputError: a file is not usable, or there is no such rule.
@@ -47,7 +47,10 @@ def make_scenario(race: Race, asked: Asked, *, cache: bool = True) -> Scenario:
     """
     rule, reference = one_of(SegmentationRule, asked.segments, "segmentation rule", "segments"), getattr(asked, "reference", None)
     with asked.progress.working(f"planning {race.name}" if reference is None else f"reading {reference}"):
-        return prepare(race, reference, cache=cache, segments=rule)
+        scenario = prepare(race, reference, cache=cache, segments=rule)
+    for note in scenario.notes:
+        asked.progress.note(f"note: {note}")
+    return scenario
 
 
 def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:

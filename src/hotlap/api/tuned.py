@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
 from hotlap.api.asked import Asked, command_line
+from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
@@ -22,6 +24,8 @@ from hotlap.core.success_rate import Validation
 from hotlap.core.version import __version__
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
 from hotlap.files.parameters_file import Remark, SavedParameters
+from hotlap.planning.race_feasibility import loose_judge
+from hotlap.planning.reference_demands import advice
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
 from hotlap.study.result import Result
@@ -31,6 +35,7 @@ from hotlap.tuning.goal import Goal, Quantity, parse_goal
 from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings, scenario_for
 from hotlap.tuning.objective import Objective
+from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.world import World
 
 if TYPE_CHECKING:
@@ -56,6 +61,8 @@ class TuningResult(Outcome):
         report: the page; None where it could not be written.
         robustness: how the parameters fare with vehicles that differ a little; empty where that was not flown.
         again: the command line that flies the parameters; "" where the race has no name.
+        wall_time: [s] that one waited for it, planning, compiling and the report included.
+        advice: where the goal was not confirmed with a reference that was read: what of it no weights can make up for.
     """
 
     scenario: Scenario
@@ -67,6 +74,8 @@ class TuningResult(Outcome):
     report: Path | None
     robustness: tuple[Robustness, ...]
     again: str
+    wall_time: float
+    advice: tuple[str, ...] = ()
 
     @property
     def confirmed(self) -> bool:
@@ -127,7 +136,9 @@ class TuningResult(Outcome):
         """The keys of `hotlap tune --json`."""
         paths = {"study": str(self.folder), "parameters": str(self.parameters), "report": None if self.report is None else str(self.report)}
         robustness = [_dump_robustness(one) for one in self.robustness]
-        return {**self.result.dump(), "world": self.world, "first_guess": self.first_guess, "robustness": robustness, **paths}
+        about = {"world": self.world, "first_guess": self.first_guess, "robustness": robustness}
+        said = {"notes": list(self.scenario.notes), "advice": list(self.advice)}
+        return {**self.result.dump(), "wall_time": self.wall_time, **about, **said, **paths}
 
     def plot(self) -> Figure:
         """Completion and cost over the flights of the search."""
@@ -139,18 +150,22 @@ class TuningResult(Outcome):
 
 def carry_out(asked: Asked) -> TuningResult:
     """Tune from wherever the study stands, and keep what came of it."""
+    begun = time.perf_counter()
     world, configuration = _configure(asked)
     folder = as_path(asked.out) or new_folder(configuration.scenario.race.name)
     with (
         asked.remarked("go on", out=folder),
         Study.open(folder, configuration, asked.command(out=None)) as study,
     ):
+        before = study.wall_time
         result = _tune(study, world, asked)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
         robustness, report = _report(study, world, asked)
-    again = _again(asked, folder)
-    return TuningResult(configuration.scenario, result, world.name, str(asked.first_guess), folder, file, report, robustness, again)
+    waited, again, guess = before + time.perf_counter() - begun, _again(asked, folder), str(asked.first_guess)
+    scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
+    hints = advice(scenario.race, scenario.reference) if told else ()
+    return TuningResult(scenario, result, world.name, guess, folder, file, report, robustness, again, waited, hints)
 
 
 def _configure(asked: Asked) -> tuple[World, Configuration]:
@@ -164,6 +179,9 @@ def _configure(asked: Asked) -> tuple[World, Configuration]:
     _check_folder(as_path(asked.out))
     with asked.remarked("begin again"):
         scenario = scenario_for(make_scenario(load(asked.race, asked.controller), asked), tuner)
+    loose = loose_judge(scenario.race) if asked.reference is None else ""
+    if loose:
+        asked.progress.note(f"note: {loose}")
     first = read_guess(str(asked.first_guess), scenario, asked.progress)
     name = str(asked.first_guess)
     return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first, first_guess_name=name)
@@ -191,6 +209,10 @@ def _tune(study: Study, world: World, asked: Asked) -> Result:
     before = study.result
     if before is not None:
         asked.progress.note(f"{study.folder}: going on after {before.flights} flights")
+    elif isinstance(world, BuiltIn):  # where flights cost nothing
+        doom = say_doom(configuration.scenario, world, configuration.first_guess)
+        if doom:
+            asked.progress.note(f"note: {doom}")
     objective = Objective(configuration.scenario, world, configuration.metric, configuration.settings.randomise)
     with asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
         return study.run(objective, watch)

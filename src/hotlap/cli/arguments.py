@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from keyword import iskeyword
 from pathlib import Path
 
+from hotlap.api.checking import check
 from hotlap.api.comparing import compare
 from hotlap.api.exporting import export
 from hotlap.api.flying import fly
+from hotlap.api.importing import import_file
 from hotlap.api.planning import plan
 from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
@@ -71,7 +74,7 @@ def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
 
 
 def _check(parser: Parser) -> None:
-    parser.add_argument("file", metavar="FILE", help="a TOML file, or the name of a built-in race, track or quadrotor")
+    add_call(parser, check, file=Shown("FILE"))
 
 
 def _new(parser: Parser) -> None:
@@ -80,6 +83,10 @@ def _new(parser: Parser) -> None:
     add("name", metavar="NAME", help="what it is called; the file is NAME.toml")
     add("--track", metavar="TRACK", automatic="circle", help="of a race: a built-in track or a TOML file")
     add("--vehicle", metavar="QUADROTOR", automatic="a hummingbird", help="of a race: a built-in quadrotor or a TOML file")
+
+
+def _import(parser: Parser) -> None:
+    add_call(parser, import_file)
 
 
 def _plan(parser: Parser) -> None:
@@ -123,6 +130,7 @@ def _landscape(parser: Parser) -> None:
     add("--points", type=whole, default=50, metavar="N", help="along each, evenly in logarithms")
     add("--flights", type=whole, default=4, metavar="N", help="at each point, with the same noise at all")
     add("--first-guess", default=DEFAULT, metavar="NAME", help=f"what the other parameters are: {PARAMETERS}")
+    add("--reference", type=path, metavar="FILE", help="read this CSV instead of planning")
     _controller(parser)
     add("--out", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
 
@@ -156,15 +164,24 @@ COMMANDS: Mapping[str, Command] = {
     "races": Command("list the built-in races", "List the built-in races and what to expect of them.", _races, ()),
     "check": Command(
         "say what a file means",
-        "Say what a track, quadrotor or race means: thrust margins, latency, limits that bind, expected difficulty.",
+        "Say what a track, quadrotor or race means: thrust margins, latency, lag, limits that bind. A race is planned, and flown with\n"
+        "weights that nobody has tuned: how many flights are complete, how the others end, and what would help.",
         _check,
-        ("hotlap check my-race.toml", "hotlap check circle-34"),
+        ("hotlap check my-race.toml", "hotlap check circle-34", "hotlap check my-race.toml --reference mine.csv"),
     ),
     "new": Command(
         "write a file to start from",
         "Write a commented file to start from, every key with its unit and default.",
         _new,
         ("hotlap new quadrotor my-drone", "hotlap new race my-race --vehicle my-drone.toml --track circle"),
+    ),
+    "import": Command(
+        "read a file of another program",
+        "Write a track or quadrotor from a file of another program as TOML, and say what was assumed and what is not carried over.\n"
+        "Reads files of TOGT-Planner, lsy_drone_racing, rpg_time_optimal, agilicious, Fast-fly, the MRS simulator and drone-models,\n"
+        "Gazebo's SDF, and the URDF of gym-pybullet-drones.",
+        _import,
+        ("hotlap import race_uzh_7g_multiprisma.yaml", "hotlap import params.toml --name cf21B_500 --out my-drone.toml"),
     ),
     "plan": Command(
         "plan the fastest reference",
@@ -238,6 +255,11 @@ COMMANDS: Mapping[str, Command] = {
     ),
     "bench": Command("measure the flight core", "Measure how fast the flight core flies on this machine.", _bench, ()),
 }
+
+
+def module_of(command: str) -> str:
+    """The module of a command: its name, unless Python keeps that for itself."""
+    return f"hotlap.cli.{command}{'ing' if iskeyword(command) else ''}"
 
 
 def overview() -> str:

@@ -5,17 +5,16 @@ from __future__ import annotations
 import shlex
 import shutil
 from argparse import Namespace
-from collections.abc import Sequence
 
 from rich.text import Text
 
+from hotlap.api.checked import CheckedFile
+from hotlap.api.checking import check
+from hotlap.cli.options import arguments_of
 from hotlap.cli.output import present, table
-from hotlap.core.errors import PlanningError
-from hotlap.files.descriptions import TYPES, Description, Kind, load
-from hotlap.planning import cache
-from hotlap.planning.feasibility import Finding, Level, describe
-from hotlap.planning.problem import Problem
-from hotlap.race.race import Race
+from hotlap.cli.progress import TERMINAL
+from hotlap.files.descriptions import Kind
+from hotlap.planning.finding import Finding, Level
 from hotlap.race.track import Track
 
 WIDEST = 100  # columns of a map
@@ -25,44 +24,35 @@ STYLES = {Level.FACT: "", Level.NOTE: "yellow", Level.WARNING: "bold red"}
 
 def run(options: Namespace) -> int:
     """Say it; a warning is a finding, not a failure."""
-    description = load(options.file)
-    kind = next(kind for kind, described in TYPES.items() if isinstance(description, described))
-    findings = describe(description, _planned_top_speed(description))
-    document = {"kind": kind, "name": description.name, "findings": [vars(finding) for finding in findings]}
+    checked = check(**arguments_of(check, options), progress=TERMINAL)
+    findings = checked.findings
     cells = table([(finding.label, _value(finding), finding.remark) for finding in findings], indent="  ")
     styled = (Text(line, style=STYLES[finding.level]) for line, finding in zip(cells, findings, strict=True))
-    title, further = Text(f"{kind} {description.name}", style="bold"), f"next: {_next(kind, options.file, findings)}"
-    lines = [title, *styled, *_picture(description), further]
-    present(as_json=options.json, document=document, lines=lines)
+    title, further = Text(f"{checked.kind} {checked.description.name}", style="bold"), f"next: {_next(checked, options)}"
+    lines = [title, *styled, *_picture(checked), further]
+    present(as_json=options.json, document=checked.to_dict(), lines=lines)
     return 0
 
 
-def _picture(description: Description) -> list[str]:
+def _picture(checked: CheckedFile) -> list[str]:
     """A track as a map: a wrong sign shows at once."""
-    if not isinstance(description, Track):
+    if not isinstance(checked.description, Track):
         return []
     from hotlap.report.map import draw_track  # noqa: PLC0415  only for tracks
 
     width = min(shutil.get_terminal_size().columns, WIDEST)
-    return draw_track(description, width=width, height=width // 4).splitlines()
+    return draw_track(checked.description, width=width, height=width // 4).splitlines()
 
 
-def _next(kind: Kind, file: str, findings: Sequence[Finding]) -> str:
+def _next(checked: CheckedFile, options: Namespace) -> str:
     """The command that one would give now."""
-    name = shlex.quote(file)
-    command = f"hotlap tune {name}" if kind is Kind.RACE else f"hotlap new race NAME --{ROLES[kind]} {name}"
-    return f"see to the warnings, then {command}" if any(finding.level is Level.WARNING for finding in findings) else command
-
-
-def _planned_top_speed(description: Description) -> float | None:
-    """[m/s] of a race's plan, if it has been planned before: planning now would take too long."""
-    if not isinstance(description, Race):
-        return None
-    try:
-        reference = cache.load(cache.key(Problem.of(description)))
-    except PlanningError:
-        return None
-    return None if reference is None else float(reference.speeds.max())
+    name, kind = shlex.quote(options.file), checked.kind
+    if kind is Kind.RACE:
+        reference = "" if options.reference is None else f" --reference {shlex.quote(str(options.reference))}"
+        command = f"hotlap tune {name}{reference}"
+    else:
+        command = f"hotlap new race NAME --{ROLES[kind]} {name}"
+    return f"see to the warnings, then {command}" if checked.warned else command
 
 
 def _value(finding: Finding) -> str:

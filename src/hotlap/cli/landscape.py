@@ -7,11 +7,11 @@ from argparse import Namespace
 import numpy as np
 
 from hotlap.analysis.landscape import Landscape, axes, survey
-from hotlap.api.inputs import check_range, check_target
+from hotlap.api.inputs import check_range, check_source, check_target
 from hotlap.api.scenarios import check_guess
 from hotlap.api.wording import percent
 from hotlap.cli.flying import load, make_ready, read_guess
-from hotlap.cli.output import facts, present, working
+from hotlap.cli.output import facts, note, present, working
 from hotlap.cli.progress import follow_pieces
 from hotlap.core.errors import UnknownNameError
 from hotlap.planning.preparation import prepare
@@ -27,10 +27,13 @@ def run(options: Namespace) -> int:
     check_range("points", options.points, 2, MOST_POINTS)
     check_range("flights", options.flights, 1, MOST_FLIGHTS)
     check_target(options.out, SUFFIXES)
+    check_source(options.reference)
     check_guess(options.first_guess)
     race, world = load(options), BuiltIn()
-    with working(f"planning {race.name}"):
-        scenario = prepare(race, segments=SegmentationRule.NONE)
+    with working(f"planning {race.name}" if options.reference is None else f"reading {options.reference}"):
+        scenario = prepare(race, options.reference, segments=SegmentationRule.NONE)
+    for remark in scenario.notes:
+        note(f"note: {remark}")
     names = scenario.space.names
     for option, name in (("x", options.x), ("y", options.y)):
         if name not in names:
@@ -50,6 +53,7 @@ def run(options: Namespace) -> int:
     best = np.unravel_index(int(np.argmax(grid)), grid.shape)
     document = {
         "race": race.name,
+        "notes": list(scenario.notes),
         "x": options.x,
         "y": options.y,
         "x_values": x.tolist(),

@@ -13,7 +13,7 @@ from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
-from hotlap.cli.arguments import COMMANDS, overview
+from hotlap.cli.arguments import COMMANDS, module_of, overview
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
 from hotlap.core.errors import HotlapError, InputError, UnknownNameError
@@ -83,7 +83,7 @@ def _run(arguments: list[str]) -> int:
         return SUCCESS
     options.arguments = tuple(rest)
     try:
-        return import_module(f"hotlap.cli.{name}").run(options)
+        return import_module(module_of(name)).run(options)
     except InputError as error:
         if parser.as_option(error) is error:
             raise

@@ -41,6 +41,7 @@ PARAMETERS = f"{', '.join(GUESSES)}, parameters (a file or a study's folder), or
 SHOWN: Mapping[str, Shown] = {
     "race": Shown("RACE"),
     "races": Shown("RACE"),
+    "file": Shown("FILE"),
     "folder": Shown("DIR"),
     "goal": Shown("GOAL", values=FORMS),
     "seed": Shown("S"),

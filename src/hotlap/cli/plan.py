@@ -17,6 +17,7 @@ from hotlap.cli.output import Line, facts, present, table
 from hotlap.cli.progress import TERMINAL
 from hotlap.reference.scenario import Scenario
 from hotlap.report.map import draw_map
+from hotlap.report.structures import structures_of
 
 WIDEST = 100  # columns of a map
 
@@ -59,5 +60,7 @@ def _cells(scenario: Scenario) -> list[tuple[str, ...]]:
 def _map(scenario: Scenario) -> Iterator[Line]:
     """The track from above and from the side, as wide as the terminal is."""
     width = min(shutil.get_terminal_size().columns, WIDEST)
-    gates, segments = scenario.race.track.gate_positions, scenario.segments
-    yield from Text.from_ansi(draw_map(scenario.reference, gates, segments, width=width, height=width // 4, colour=True)).split()
+    race, segments = scenario.race, scenario.segments
+    gates, standing = race.track.gate_positions, structures_of(race.track, race.judge.distance)
+    drawn = draw_map(scenario.reference, gates, segments, structures=standing, width=width, height=width // 4, colour=True)
+    yield from Text.from_ansi(drawn).split()

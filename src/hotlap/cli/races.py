@@ -7,17 +7,16 @@ from typing import Any
 
 from hotlap.cli.output import present, table
 from hotlap.files.descriptions import Kind, load_race, names
-from hotlap.planning.feasibility import describe_race
+from hotlap.planning.race_feasibility import beyond, thrust_share, unknown_latency
 
-HEADER = ("race", "track", "gates", "v_max", "vehicle", "expected", "provenance")
-LONGEST = 48  # characters of a provenance
+HEADER = ("race", "track", "gates", "v_max", "vehicle", "rule", "thrust", "latency", "provenance")
+LONGEST = 30  # characters of a provenance
 
 
 def run(options: Namespace) -> int:
     """List them."""
     rows = [_row(name) for name in names(Kind.RACE)]
-    cells = [HEADER, *((*map(_show, list(row.values())[:-1]), _shorten(row["provenance"])) for row in rows)]
-    present(as_json=options.json, document={"races": rows}, lines=table(cells, right=(2, 3)))
+    present(as_json=options.json, document={"races": rows}, lines=table([HEADER, *map(_cells, rows)], right=(2, 3, 6, 7)))
     return 0
 
 
@@ -30,9 +29,18 @@ def _row(name: str) -> dict[str, Any]:
         "gates": len(race.track.counted),
         "v_max": race.planning.v_max,
         "vehicle": race.vehicle.name,
-        "difficulty": describe_race(race)[-1].value,
+        "rule": race.judge.rule.value,
+        "difficulty": beyond(race) or None,
+        "thrust_share": thrust_share(race),
+        "unknown_latency": unknown_latency(race),
         "provenance": race.provenance,
     }
+
+
+def _cells(row: dict[str, Any]) -> tuple[str, ...]:
+    """A row for people: the share of its thrust that the plan takes, and the dead time that the controller does not know of."""
+    shown = [_show(row[name]) for name in ("name", "track", "gates", "v_max", "vehicle", "rule")]
+    return (*shown, f"{row['thrust_share']:.0%}", f"{1e3 * row['unknown_latency']:.0f} ms", _shorten(row["provenance"]))
 
 
 def _show(value: str | float | None) -> str:

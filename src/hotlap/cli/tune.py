@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from argparse import Namespace
 from collections.abc import Iterator
+from pathlib import Path
 
 from rich.text import Text
 
@@ -31,16 +32,17 @@ def run(options: Namespace) -> int:
         if error.key != "goal" or error.source:
             raise
         raise InputError("", error.key, f"{error.reason}; {LAP_TIME} looks for the fastest plan") from None
-    present(as_json=options.json, document=tuned.to_dict(), lines=summarise(tuned, options.race))
+    present(as_json=options.json, document=tuned.to_dict(), lines=summarise(tuned, options.race, options.reference))
     return 0 if tuned.confirmed or tuned.result.goal == Quantity.NONE else 1
 
 
-def summarise(tuned: TuningResult, race: str) -> Iterator[Line]:
+def summarise(tuned: TuningResult, race: str, reference: Path | None = None) -> Iterator[Line]:
     """How a tuning ended, what is where, and how to fly it again.
 
     Args:
         tuned: how it ended.
         race: as it was asked for.
+        reference: the file that was flown; None: the plan.
     """
     result, no_goal = tuned.result, tuned.result.goal == Quantity.NONE
     style = "bold" if no_goal else "bold green" if tuned.confirmed else "bold red"
@@ -53,7 +55,7 @@ def summarise(tuned: TuningResult, race: str) -> Iterator[Line]:
             "completion": f"{percent(result.best.completion)} of the gates, over {count(result.best.flights, 'flight')}",
             "holds in": "" if result.validation is None else share(result.validation),
             "tuner": result.remark,
-            "wall time": seconds(result.wall_time, 1),
+            "wall time": seconds(tuned.wall_time, 1),
             "study": str(tuned.folder),
             "parameters": str(tuned.parameters),
             "report": str(tuned.report or ""),
@@ -64,4 +66,6 @@ def summarise(tuned: TuningResult, race: str) -> Iterator[Line]:
         yield from facts({one.change: share(one.validation) for one in tuned.robustness})
     yield f"fly it again: {tuned.again}"
     if not tuned.confirmed and not no_goal:
-        yield f"what may be in the way: {shlex.join(['hotlap', 'check', race])}"
+        yield from tuned.advice
+        given = [] if reference is None else ["--reference", str(reference)]
+        yield f"what may be in the way: {shlex.join(['hotlap', 'check', race, *given])}"

@@ -20,6 +20,26 @@ class End(IntEnum):
     CRASHED = 2
 
 
+class Cause(IntEnum):
+    """Why a flight crashed; NONE where it did not.
+
+    NUMBERS: a state that is not a number. DISTANCE: too far from the clocked reference. RATE: turned too fast. FLOOR, CEILING: hit them.
+    OUTSIDE: left the track's box. FRAME, POLE, SPHERE, BOX: touched the frame of a gate, or an obstacle.
+    """
+
+    NONE = 0
+    NUMBERS = 1
+    DISTANCE = 2
+    RATE = 3
+    FLOOR = 4
+    CEILING = 5
+    OUTSIDE = 6
+    FRAME = 7
+    POLE = 8
+    SPHERE = 9
+    BOX = 10
+
+
 @dataclass(frozen=True)
 class Log:
     """The full record of one flight.
@@ -45,13 +65,20 @@ class Flights:
         seeds: shape (B,).
         gates_passed: shape (B,), consecutive from the first.
         end: shape (B,) of `End`.
+        cause: shape (B,) of `Cause`: why the flight crashed.
+        cause_index: shape (B,) index in the track of the pole, sphere or box that was touched, or of the gate whose frame was; else -1.
         end_time: shape (B,) [s] of the last passed gate, the miss or the crash.
         end_position: shape (B, 3) [m] (world) at that time.
         lap_time: shape (B,) [s] at the last gate; NaN where it was not reached.
         clock_distance: shape (B, M) [m] from each gate at the reference's time; NaN where the flight did not get there.
         closest_distance: shape (B, M) [m] closest approach in the judge's window; NaN likewise.
         closest_time: shape (B, M) [s] of the closest approach; NaN likewise.
+        rim_distance: shape (B, M) [m] under the rule "opening": signed distance from the rim of the opening less the vehicle's size, where
+            the flight crossed the plane, negative inside; the closest distance from its centre where it did not cross it in time; NaN
+            where the flight did not get there, and under other rules.
         mean_error, max_error: shape (B,) [m] distance from the clocked reference until the end.
+        rooms: shape (M,) [m] radius of the largest circle in the opening less the vehicle's size; the judge's distance for a point, and
+            under other rules.
         gate_positions: shape (M, 3) [m] (world).
         gate_times: shape (M,) [s] of the reference.
         gate_segments: shape (M,) index of the segment that each gate lies in.
@@ -61,14 +88,18 @@ class Flights:
     seeds: NDArray[np.int64]
     gates_passed: NDArray[np.int64]
     end: NDArray[np.int64]
+    cause: NDArray[np.int64]
+    cause_index: NDArray[np.int64]
     end_time: Floats
     end_position: Floats
     lap_time: Floats
     clock_distance: Floats
     closest_distance: Floats
     closest_time: Floats
+    rim_distance: Floats
     mean_error: Floats
     max_error: Floats
+    rooms: Floats
     gate_positions: Floats
     gate_times: Floats
     gate_segments: NDArray[np.int64]

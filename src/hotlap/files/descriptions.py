@@ -10,6 +10,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files as package_files
 from importlib.resources.abc import Traversable
@@ -33,7 +34,9 @@ Description = Track | Quadrotor | Race
 
 PARAMETERS_FILE = "parameters.toml"  # in a study's folder
 MAX_BYTES = 1_000_000  # a description takes a few thousand
+ANY = "race, track or quadrotor"
 OWN = frozenset({"name", "provenance"})  # keys that a file does not inherit from its base
+LISTS = ("gates", "poles", "spheres", "boxes")  # of tables, in a track
 
 
 TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kind.QUADROTOR: Quadrotor}
@@ -97,9 +100,8 @@ def load(name_or_path: str | Path) -> Description:
     for kind in Kind:
         if text in names(kind):
             return _load(kind, text, _Place(), "")
-    everything = {name for kind in Kind for name in names(kind)}
-    table, _ = _open("race, track or quadrotor", text, everything, _Place(), "")
-    return _load(_kind_of(table, text), text, _Place(), "")
+    table, inner = _open(ANY, text, _everything(), _Place(), "")
+    return _load(_kind_of(table, inner), text, _Place(), "")
 
 
 def save(path: str | Path, description: Description) -> None:
@@ -108,7 +110,24 @@ def save(path: str | Path, description: Description) -> None:
     Raises:
         InputError: when the file cannot be written.
     """
-    replace(path, toml_writer.write(description.model_dump(mode="json", exclude_none=True)))
+    replace(path, to_toml(description))
+
+
+def to_toml(description: Description) -> str:
+    """A description with everything that it refers to, as TOML; reading it gives an equal one."""
+    table = description.model_dump(mode="json", exclude_none=True)
+    if isinstance(description, Track):
+        table |= _short_lists(description)
+    elif isinstance(description, Race):
+        table["track"] |= _short_lists(description.track)
+    return toml_writer.write(table, inline_lists=True)
+
+
+def _short_lists(track: Track) -> dict[str, Any]:
+    """Gates and obstacles of a track as a person writes them: only keys that differ from their defaults, a bare point as a list."""
+    lists = {name: [item.model_dump(mode="json", exclude_defaults=True) for item in getattr(track, name)] for name in LISTS}
+    lists["gates"] = [gate["position"] if list(gate) == ["position"] else gate for gate in lists["gates"]]
+    return lists
 
 
 def load_parameters(path: str | Path) -> SavedParameters:
@@ -160,6 +179,11 @@ def read(path: Path | Traversable, label: str) -> dict[str, Any]:
         raise InputError(label, "", f"cannot be read: {cause_of(error)}") from None
     except ValueError as error:
         raise InputError(label, "", f"is not valid TOML: {error}") from None
+
+
+def _everything() -> set[str]:
+    """Names of the built-in descriptions of all kinds."""
+    return {name for kind in Kind for name in names(kind)}
 
 
 def _data(kind: Kind) -> Traversable:
@@ -294,14 +318,24 @@ def _refuse_other_kind(kind: Kind, table: dict[str, Any], label: str) -> None:
         raise InputError(label, "", f"describes a {other}, not a {kind}{hint}")
 
 
-def _kind_of(table: dict[str, Any], label: str) -> Kind:
-    """What a table describes, by the keys that only one kind has."""
+def _kind_of(table: dict[str, Any], place: _Place) -> Kind:
+    """What a table describes, by the keys that only one kind has, or else by what it builds on."""
     counts = _own_keys(table)
     best = max(counts, key=lambda kind: counts[kind])
     if counts[best]:
         return best
     base = table.get("base")
-    for kind in Kind:
-        if isinstance(base, str) and base in names(kind):
-            return kind
-    raise InputError(label, "", "is neither a race (it has a track), a track (gates) nor a quadrotor (mass)")
+    if isinstance(base, str):
+        known = [kind for kind in Kind if base in names(kind)]
+        return known[0] if known else _kind_of(*_open(ANY, base, _everything(), place, "base"))
+    raise InputError(place.label, "", f"is neither a race (it has a track), a track (gates) nor a quadrotor (mass){_strangers(table)}")
+
+
+def _strangers(table: dict[str, Any]) -> str:
+    """The first key of a table that nothing has, with the nearest name that something has."""
+    available = list(dict.fromkeys(key for description in TYPES.values() for key in description.model_fields))
+    unknown = next((key for key in table if key not in available), None)
+    if unknown is None:
+        return ""
+    near = get_close_matches(unknown, available, n=1)
+    return f"; there is no key {unknown}{f' (did you mean {near[0]}?)' if near else ''}"

@@ -33,7 +33,6 @@ _REASONS: dict[str, Callable[[dict[str, Any]], str]] = {
     "bool_type": lambda _: "must be true or false",
     "string_type": lambda _: "must be text in quotation marks",
     "string_too_short": lambda _: "must not be empty",
-    "tuple_type": lambda _: "must be a list in brackets",
     "model_type": lambda _: "must be a table",
     "dict_type": lambda _: "must be a table",
     "enum": lambda context: f"must be {context['expected'].replace(chr(39), chr(34))}",
@@ -113,7 +112,10 @@ def _word(fault: dict[str, Any], locations: list[Location], description: type[De
     if kind == "too_short":
         return _write_location(location), "must have at least one entry"
     if kind == "too_long":
-        return _write_location(location), f"must have {context['max_length']} values, not {context['actual_length']}"
+        reason = f"must have {context['max_length']} values, not {context['actual_length']}"
+        return _write_location(location), reason + _meaning_of(description, location)
+    if kind == "tuple_type":
+        return _write_location(location), f"must be a list in brackets, not {show(value)}{_meaning_of(description, location)}"
     if kind == "value_error":
         return _keyed(location, str(context["error"]))
     worded = _REASONS.get(kind)
@@ -125,10 +127,16 @@ def _missing(location: Location, value: Any, locations: list[Location], descript
     """A required key that is not there, or a list that is too short."""
     if isinstance(location[-1], int):
         wanted = 1 + max(other[-1] for other in locations if other[:-1] == location[:-1] and isinstance(other[-1], int))
-        return _write_location(location[:-1]), f"must have {wanted} values, not {len(value)}"
-    key = next(key for key in documented_keys(_owner(description, location)) if key.name == location[-1])
-    meaning = " ".join(part for part in (f"[{key.unit}]" if key.unit else "", key.meaning) if part)
-    return _write_location(location), f"is missing; it is needed: {meaning}"
+        return _write_location(location[:-1]), f"must have {wanted} values, not {len(value)}{_meaning_of(description, location[:-1])}"
+    return _write_location(location), f"is missing; it is needed{_meaning_of(description, location)}"
+
+
+def _meaning_of(description: type[Described], location: Location) -> str:
+    """What the values of a key mean, with their unit: to be written behind a reason."""
+    names = [part for part in location if isinstance(part, str)]
+    key = next((key for key in documented_keys(_owner(description, (*names,))) if names and key.name == names[-1]), None)
+    meaning = "" if key is None else " ".join(part for part in (f"[{key.unit}]" if key.unit else "", key.meaning) if part)
+    return f": {meaning}" if meaning else ""
 
 
 def _keyed(location: Location, message: str) -> tuple[str, str]:

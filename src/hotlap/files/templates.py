@@ -11,8 +11,9 @@ from hotlap.files.documented_keys import Key, documented_keys
 from hotlap.race.schema import Described
 
 HEADS: Mapping[Kind, str] = {
-    Kind.TRACK: "A track: gates in the order in which they are flown. x forward, y left, z up, in metres.\n"
-    "# A gate is [x, y, z], or { position = [x, y, z], yaw = 1.57 } for pictures.",
+    Kind.TRACK: "A track: gates in the order in which they are flown. x forward, y left, z up, in metres and radians.\n"
+    "# A gate has the position of its centre, the heading (yaw) in which it is passed, and an opening: side, width and height, radius\n"
+    "# or corners; pitch, roll, depth, frame, direction and counts are in docs/files.md. A bare [x, y, z] is passed near by, any way.",
     Kind.QUADROTOR: 'A quadrotor. Instead of writing all keys it may build on another one: base = "hummingbird".',
     Kind.RACE: "A race: who flies which track, how it is planned, controlled and judged.\n"
     "# track, vehicle, model and planning.quadrotor take a name, a path, or a table with a base and what differs from it.",
@@ -21,9 +22,20 @@ HEADS: Mapping[Kind, str] = {
 EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
     Kind.TRACK: {
         "start": [0.0, 0.0, 1.0],
-        "gates": [[6.0, 2.0, 1.5], [12.0, 0.0, 2.0], [12.0, -6.0, 1.5], [4.0, -6.0, 1.0]],
+        "gates": [
+            {"position": [6.0, 2.0, 1.5], "yaw": 0.1, "side": 1.5},
+            {"position": [12.0, 0.0, 2.0], "yaw": -1.1, "width": 2.0, "height": 1.2, "frame": 0.1},
+            {"position": [12.0, -6.0, 1.5], "yaw": -2.4, "radius": 0.7},
+            [4.0, -6.0, 1.0],
+        ],
+        "opening": {"side": 1.5, "frame": 0.1},
         "end": [0.0, -4.0, 1.0],
         "floor": 0.0,
+        "ceiling": 6.0,
+        "box": {"low": [-5.0, -10.0, 0.0], "high": [17.0, 5.0, 6.0]},
+        "poles": [{"position": [9.0, 3.0], "radius": 0.05, "top": 3.0}],
+        "spheres": [{"position": [9.0, -8.0, 1.5], "radius": 0.5}],
+        "boxes": [{"low": [5.0, -3.0, 0.0], "high": [7.0, -2.0, 1.0]}],
     },
     Kind.QUADROTOR: {
         "mass": 0.85,
@@ -31,6 +43,7 @@ EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
         "arm": 0.15,
         "rotor_thrust": [0.0, 6.9],
         "torque_ratio": 0.05,
+        "radius": 0.25,
     },
     Kind.RACE: {
         "track": "circle",
@@ -38,6 +51,7 @@ EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
         "model": "hummingbird",
         "planning.quadrotor": "airsim-plan",
         "planning.v_max": 20.0,
+        "planning.clearance": 0.1,
         "planning.ramp.distance": 35.0,
         "planning.ramp.thrust_to_weight": 1.5,
         "planning.ramp.rate": 4.5,
@@ -76,7 +90,7 @@ def _lines(description: type[Described], examples: Mapping[str, Any], path: str,
 
 
 def _line(key: Key, value: Any, *, optional: bool) -> str:
-    """A key with its value and what it means."""
-    text = toml_writer.write({key.name: value}) if isinstance(value, list) else f"{key.name} = {toml_writer.write_value(value)}"
+    """A key with its value and what it means; on one line where it is a comment, so that one mark brings it in."""
+    text = f"{key.name} = {toml_writer.write_value(value)}" if optional else toml_writer.write_pair(key.name, value)
     unit = f"[{key.unit}] " if key.unit else ""
-    return f"{'# ' * optional}{text.strip()}  # {unit}{key.meaning}\n"
+    return f"{'# ' * optional}{text}  # {unit}{key.meaning}\n"

@@ -137,7 +137,7 @@ def prepare(
     """A batch as plain arrays, and its gates, as compiled code takes them; arguments as for `fly_batch`."""
     race, reference, controller = scenario.race, scenario.reference, scenario.race.controller
     _check(scenario, parameters, seeds, vehicle_parameters, log)
-    gates = gates_of(race.judge, race.track.gate_positions, reference.gate_times, race.track.floor)
+    gates = gates_of(race.judge, race.track, race.vehicle.outer_radius, reference)
     given = vehicle_parameters_of(race.vehicle)[None] if vehicle_parameters is None else np.asarray(vehicle_parameters, dtype=np.float64)
     vehicles = vehicle_numbers(given, race.vehicle.layout)
     delay_steps = np.rint(part_of(given, "delay")[:, 0] / PLANT_STEP).astype(np.int64)
@@ -196,14 +196,18 @@ def _record(scenario: Scenario, job: Job, gates: Gates, v: Verdicts, log: Sequen
         seeds=job.seeds,
         gates_passed=v.gates_passed,
         end=v.end,
+        cause=v.cause,
+        cause_index=v.cause_index,
         end_time=v.end_time,
         end_position=v.end_position,
         lap_time=v.lap_time,
         clock_distance=v.clock_distance,
         closest_distance=v.closest_distance,
         closest_time=v.closest_time,
+        rim_distance=v.rim_distance,
         mean_error=v.mean_error,
         max_error=v.max_error,
+        rooms=gates.openings.rooms if len(gates.openings.rooms) else np.full(len(gates.times), gates.distance),
         gate_positions=gates.positions,
         gate_times=gates.times,
         gate_segments=scenario.gate_segments,

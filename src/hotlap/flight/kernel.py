@@ -28,6 +28,7 @@ from hotlap.flight.segment_switch import FRESH
 from hotlap.race.controllers import ControllerKind
 
 IDLE = -1
+HARDLY = 1e-3  # m: a start that lies less below the floor lies on it
 
 
 class Lane(NamedTuple):
@@ -88,7 +89,7 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
         noisy = s.measured_position + s.measured_velocity + s.measured_attitude > 0
         busy = 0
         for k in range(lanes):
-            busy += _start_flight(job, s, loop, vehicle_state, lane, k)
+            busy += _start_flight(job, s, gates.floor, loop, vehicle_state, lane, k)
             begin(job, s, memory, k)
         while busy > 0:
             effort[0] += lanes
@@ -107,14 +108,14 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
             fly_period(c, s.steps)
             for k in range(lanes):
                 if lane.flight[k] != IDLE and _judge_period(job, s, gates, verdicts, loop, vehicle_state, lane, k):
-                    busy += _start_flight(job, s, loop, vehicle_state, lane, k) - 1
+                    busy += _start_flight(job, s, gates.floor, loop, vehicle_state, lane, k) - 1
                     begin(job, s, memory, k)
 
     return keep(njit(**COMPILE)(work), f"{kind}-{numbers}")
 
 
 @njit(**COMPILE)
-def _start_flight(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> int:
+def _start_flight(job: Job, s: Settings, floor: float, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> int:
     """Begin the next flight of the queue in a lane; 0 if there is none."""
     i = fetch_and_add(job.queue)
     if i >= len(job.seeds):
@@ -129,7 +130,7 @@ def _start_flight(job: Job, s: Settings, loop: ControlLoop, vehicle_state: Vehic
     vehicle_state.older_steps[0, k], vehicle_state.step[0, k] = job.delay_steps[vehicle], s.plant_step
     vehicle_state.disturbance[:, k] = 0
     vehicle_state.disturbance[THRUST_FACTOR, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS)
-    _place(job, s, vehicle_state, k, seed, job.vehicles[vehicle, MASS])
+    _place(job, s, floor, vehicle_state, k, seed, job.vehicles[vehicle, MASS])
     begin_control_loop(s, loop, k)
     lane.correlated[:, k] = 0
     vehicle_state.acting[:, k] = 0
@@ -138,8 +139,8 @@ def _start_flight(job: Job, s: Settings, loop: ControlLoop, vehicle_state: Vehic
 
 
 @njit(**COMPILE)
-def _place(job: Job, s: Settings, vehicle_state: VehicleState, k: int, seed: int, mass: float) -> None:
-    """Put a lane's drone near the start of the reference, hovering."""
+def _place(job: Job, s: Settings, floor: float, vehicle_state: VehicleState, k: int, seed: int, mass: float) -> None:
+    """Put a lane's drone near the start of the reference, hovering, and not under the floor."""
     for i in range(10):
         vehicle_state.state[i, k] = job.table[0, i]
     for i in range(3):
@@ -147,6 +148,8 @@ def _place(job: Job, s: Settings, vehicle_state: VehicleState, k: int, seed: int
         vehicle_state.state[7 + i, k] += s.velocity * noise.normal(seed, 0, noise.VELOCITY + i)
         vehicle_state.state[4 + i, k] += s.attitude * noise.normal(seed, 0, noise.ATTITUDE + i)
         vehicle_state.state[10 + i, k] = 0
+    if vehicle_state.state[2, k] < floor <= job.table[0, 2] + HARDLY:
+        vehicle_state.state[2, k] = floor
     norm = math.sqrt(
         vehicle_state.state[3, k] ** 2 + vehicle_state.state[4, k] ** 2 + vehicle_state.state[5, k] ** 2 + vehicle_state.state[6, k] ** 2
     )
@@ -217,6 +220,9 @@ def _judge_period(
         job.table[row, 1] + share * (job.table[row + 1, 1] - job.table[row, 1]),
         job.table[row, 2] + share * (job.table[row + 1, 2] - job.table[row, 2]),
     )
+    if vehicle_state.state[2, k] < gates.floor and verdicts.airborne[lane.flight[k]] == 0:
+        vehicle_state.state[2, k] = gates.floor  # it stands on the ground until it takes off
+        vehicle_state.state[9, k] = max(float(vehicle_state.state[9, k]), 0.0)
     before, now = _position(vehicle_state.before, k), _position(vehicle_state.state, k)
     fastest = max(abs(float(vehicle_state.state[10, k])), abs(float(vehicle_state.state[11, k])), abs(float(vehicle_state.state[12, k])))
     over = judge(verdicts, lane.flight[k], gates, start, before, time, now, reference, fastest)

@@ -268,16 +268,22 @@ def borrow(memory: Any) -> Any:
 @intrinsic
 def _borrow(typing: Any, memory: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        values = cgutils.unpack_tuple(builder, arguments[0], len(memory.types))
-        for place, (kind, value) in enumerate(zip(memory.types, values, strict=True)):
-            if isinstance(kind, types.Array):
-                array = make_array(kind)(context, builder, value)
-                array.meminfo = ir.Constant(array.meminfo.type, None)
-                array.parent = ir.Constant(array.parent.type, None)
-                values[place] = array._getvalue()  # noqa: SLF001
-        return context.make_tuple(builder, memory, values)
+        return _without_owners(context, builder, memory, arguments[0])
 
     return memory(memory), generate
+
+
+def _without_owners(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """A value whose arrays, those of tuples in it too, know no owner."""
+    if isinstance(kind, types.Array):
+        array = make_array(kind)(context, builder, value)
+        array.meminfo = ir.Constant(array.meminfo.type, None)
+        array.parent = ir.Constant(array.parent.type, None)
+        return array._getvalue()  # noqa: SLF001
+    if isinstance(kind, types.BaseTuple):
+        parts = zip(kind.types, cgutils.unpack_tuple(builder, value, len(kind.types)), strict=True)
+        return context.make_tuple(builder, kind, [_without_owners(context, builder, *part) for part in parts])
+    return value
 
 
 @implement(borrow)

@@ -69,3 +69,14 @@ def _turn(start: Floats, end: Floats, largest: float) -> Floats:
         across = np.cross(start, np.eye(3)[np.argmin(np.abs(start))])
     angle = min(np.arctan2(sine, start @ end), largest)
     return np.append(np.cos(angle / 2), across / max(np.linalg.norm(across), 1e-12) * np.sin(angle / 2))
+
+
+def rotate(attitudes: Floats, vectors: Floats) -> Floats:
+    """Vectors (body) in the world: q o v o conj(q), shape (count, 3).
+
+    Args:
+        attitudes: shape (count, 4), of norm 1.
+        vectors: shape (count, 3).
+    """
+    middle = product(attitudes, np.hstack([np.zeros((len(vectors), 1)), vectors]))
+    return product(middle, attitudes * CONJUGATE)[:, 1:]

@@ -11,7 +11,7 @@ from hotlap.core.errors import InputError
 from hotlap.files.descriptions import load_race
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.planning import plan
-from hotlap.planning.reference_csv import load_reference
+from hotlap.planning.reference_csv import read_reference
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule, Segments, segment
@@ -35,8 +35,11 @@ def prepare(
         PlanningError: there is no plan, or none was found.
     """
     race = race if isinstance(race, Race) else load_race(race)
-    flown = plan(race, cache=cache) if reference is None else load_reference(Path(reference), race)
-    return Scenario(race, flown, segment(flown, segments))
+    if reference is None:
+        planned = plan(race, cache=cache)
+        return Scenario(race, planned, segment(planned, segments))
+    read = read_reference(Path(reference), race)
+    return Scenario(race, read.reference, segment(read.reference, segments), read.notes)
 
 
 def parameters_for(scenario: Scenario, saved: SavedParameters, source: str) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.race import Race
+from hotlap.race.race import PlanDynamics, Race
 
 FASTEST = 100.0  # m/s: beyond this nothing is claimed
 
@@ -33,6 +33,11 @@ def rate_damping(quadrotor: Quadrotor) -> float:
     """Damping ratio of the roll rate loop behind the motors [-]: k / (s (tau s + 1)) closed has zeta = 1 / (2 sqrt(k tau))."""
     lag = quadrotor.rate_gain[0] * max(quadrotor.motor_time)
     return 1 / (2 * math.sqrt(lag)) if lag > 0 else math.inf
+
+
+def command_lag(quadrotor: Quadrotor) -> float:
+    """How long a body rate takes to follow its command [s]: of the slower of roll and pitch, 1 / rate_gain and the motors' time."""
+    return 1 / min(quadrotor.rate_gain[:2]) + max(quadrotor.motor_time)
 
 
 def steady_thrust(quadrotor: Quadrotor, speed: float, climb: float = 0.0) -> float:
@@ -81,6 +86,8 @@ def rough_top_speed(race: Race) -> float:
     thrust = math.sqrt(max(planned.max_acceleration**2 - planned.gravity**2, 0.0))
     squares = np.concatenate([[0.0], thrust * corner_radii(points), [np.inf]])  # v^2 <= a r
     terminal = (thrust / drag) ** 2 if drag > 0 else np.inf
+    if race.planning.dynamics is PlanDynamics.FULL:
+        terminal = min(terminal, top_speed(planned) ** 2)
     squares = np.minimum(squares, terminal)
     for i, length in enumerate(lengths):
         push = max(thrust - drag * math.sqrt(squares[i]), 0.0)
@@ -93,21 +100,43 @@ def rough_top_speed(race: Race) -> float:
 def steady_share(race: Race) -> float | None:
     """Share of the vehicle's thrust [-] that the longest leg takes at the plan's steady speed, drag and climb included.
 
-    None where no leg is long enough for the plan to settle at a steady speed (two of its drag's time constants).
+    None where no leg is long enough for the plan to settle at a steady speed, twice v^2 over its level acceleration.
     """
     points = np.vstack([race.track.start, race.track.waypoints])
     legs = np.diff(points, axis=0)
     lengths = np.linalg.norm(legs, axis=1)
     longest = int(lengths.argmax())
     slope = float(legs[longest, 2] / lengths[longest])  # sine of the climb angle
+    level = math.sqrt(1 - slope**2)
+    speed = _planned_steady_speed(race, slope)
+    push = math.sqrt(max(race.planning_model.max_acceleration**2 - race.planning_model.gravity**2, 0.0))
+    if speed is None or lengths[longest] * push < 2 * speed**2:
+        return None
+    return steady_thrust(race.vehicle, speed * level, speed * slope) / race.vehicle.max_acceleration
+
+
+def _planned_steady_speed(race: Race, slope: float) -> float | None:
+    """Speed [m/s] at which the plan's drag takes all of the plan's thrust; None where that is beyond 100 m/s.
+
+    Args:
+        race: with the settings of its plan.
+        slope: sine of the climb angle.
+    """
     planned, drag = race.planning_model, race.planning_drag
-    if drag <= 0:
+    if race.planning.dynamics is PlanDynamics.IDEAL:
+        root = math.sqrt(max(planned.max_acceleration**2 - planned.gravity**2 * (1 - slope**2), 0.0))
+        speed = max(root - planned.gravity * slope, 0.0) / drag if drag > 0 else math.inf  # (c v)^2 + 2 c v g slope + g^2 = a^2
+        return speed if math.isfinite(speed) else None
+    if race.planning.v_max is not None:
+        planned = planned.model_copy(update={"drag": (drag, drag, drag)})
+    level = math.sqrt(1 - slope**2)
+    low, high = 0.0, FASTEST
+    if steady_thrust(planned, high * level, high * slope) <= planned.max_acceleration:
         return None
-    root = math.sqrt(max(planned.max_acceleration**2 - planned.gravity**2 * (1 - slope**2), 0.0))
-    speed = max(root - planned.gravity * slope, 0.0) / drag  # (c v)^2 + 2 c v g slope + g^2 = a^2
-    if lengths[longest] < 2 * speed / drag:
-        return None
-    return steady_thrust(race.vehicle, speed * math.sqrt(1 - slope**2), speed * slope) / race.vehicle.max_acceleration
+    for _ in range(40):
+        speed = (low + high) / 2
+        low, high = (speed, high) if steady_thrust(planned, speed * level, speed * slope) <= planned.max_acceleration else (low, speed)
+    return low
 
 
 def _pitch_excess(quadrotor: Quadrotor, pitch: float, speed: float, climb: float) -> float:

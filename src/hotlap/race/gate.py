@@ -14,6 +14,7 @@ from hotlap.race.schema import Described, NotNegative, Positive, Vector3
 
 MOST_CORNERS = 12
 FLAT = 1e-9  # m^2: what an area below counts as nothing
+SHAPES = ("radius", "side", "width", "height", "corners")  # keys that give an opening its size
 
 
 class PassingDirection(StrEnum):
@@ -157,10 +158,15 @@ class Gate(Opening, Placement):
         key = next((name for name, value in needing.items() if value), None)
         if key and not self.oriented:
             raise ValueError(f"yaw: is missing; a gate with {key} needs the heading [rad] in which it is passed")
-        for key, value in {"depth": self.depth, "frame": self.frame}.items():
-            if value and not self.shaped:
-                raise ValueError(f"{key}: needs an opening: radius, side, width and height, or corners")
         return self
+
+    def completed(self, opening: Opening | None) -> Gate:
+        """With what an opening says and the gate does not: its shape, its depth and its frame; only where the gate has an orientation."""
+        if opening is None or not self.oriented:
+            return self
+        said = {name: getattr(self, name) or getattr(opening, name) for name in ("depth", "frame")}
+        shape = {} if self.shaped else {name: getattr(opening, name) for name in SHAPES}
+        return self.model_copy(update={**shape, **said})
 
 
 def _as_tuples(value: Any) -> Any:

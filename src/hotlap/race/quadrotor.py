@@ -21,6 +21,7 @@ from pydantic import Field, field_validator, model_validator
 from hotlap.race.schema import Described, NotNegative, Positive
 
 GRAVITY = 9.81  # m/s^2
+MEASURED = 0.02  # share by which measured moments of inertia may break the triangle rule
 PROPELLERS = 1.5  # radius of a quadrotor over its arm: propellers reach about half an arm further
 
 
@@ -94,8 +95,8 @@ class Quadrotor(Described):
 
     @model_validator(mode="after")
     def _possible(self) -> Quadrotor:
-        smallest, middle, largest = sorted(self.inertia)
-        if largest > (smallest + middle) * (1 + 1e-9):
+        largest = max(self.inertia)
+        if self.excess_inertia > MEASURED:
             raise ValueError(f"inertia: no body has {list(self.inertia)}: the largest moment exceeds the sum of the other two")
         if largest > self.mass * 10 * self.arm**2:
             raise ValueError(f"inertia: {largest:g} kg m^2 is too much for {self.mass:g} kg on an arm of {self.arm:g} m")
@@ -128,6 +129,12 @@ class Quadrotor(Described):
     def torque_matrix(self) -> NDArray[np.float64]:
         """Torque (body) of each rotor per newton of thrust, shape (3, 4) [m]."""
         return torque_matrix(self.layout, self.arm, self.torque_ratio)
+
+    @property
+    def excess_inertia(self) -> float:
+        """Share [-] by which the largest moment exceeds the sum of the other two, which no body's does; 0 or less: a body's."""
+        *others, largest = sorted(self.inertia)
+        return largest / sum(others) - 1
 
     @property
     def inertia_vector(self) -> NDArray[np.float64]:

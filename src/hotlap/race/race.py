@@ -203,7 +203,7 @@ class JudgeSettings(Described):
     """How a flight is judged."""
 
     rule: GateRule = GateRule.CLOCK
-    """when a gate counts as passed."""
+    """when a gate counts as passed ("opening" where nothing is said and a gate has an opening or an orientation)."""
     distance: float = Field(default_factory=_gate_distance, gt=0, le=20)
     """[m] how close is close enough, for gates without an opening; default 1.3, 1.2 for the rule "released"."""
     crash: float = Field(default=10.0, gt=0, le=1000)

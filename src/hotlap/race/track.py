@@ -50,7 +50,7 @@ class Track(Described):
     gates: tuple[Gate, ...] = Field(min_length=1)
     """what is passed, in order."""
     opening: Opening | None = None
-    """opening of every gate that has an orientation and no opening of its own. None: there is none."""
+    """what holds for every gate that has an orientation and does not say otherwise: size, depth, frame. None: nothing."""
     laps: int = Field(default=1, ge=1, le=MOST_LAPS)
     """how often the gates are flown."""
     closed: bool = False
@@ -97,7 +97,19 @@ class Track(Described):
         if not any(gate.counts for gate in self.gates):
             raise ValueError("gates: none of them counts")
         self._within(points, names)
+        self._open()
         return self
+
+    def _open(self) -> None:
+        """Refuse depths and frames around nothing, and an opening that no gate has."""
+        if self.opening is not None and not any(gate.oriented for gate in self.gates):
+            raise ValueError(
+                "opening: no gate has it, for none has an orientation; give them the heading in which they are passed, yaw [rad]"
+            )
+        for point in self.route:
+            key = next((name for name in ("depth", "frame") if getattr(point.gate, name)), None)
+            if key and not point.gate.shaped:
+                raise ValueError(f"{point.key}.{key}: needs an opening: radius, side, width and height, or corners")
 
     def _within(self, points: NDArray[np.float64], names: list[str]) -> None:
         """Refuse points below the floor, above the ceiling or outside of the box."""
@@ -123,7 +135,7 @@ class Track(Described):
             for k, gate in enumerate(self.gates):
                 counted += gate.counts
                 name = f"gate {counted}" if gate.counts else f"point {k + 1}"
-                found.append(Waypoint(name + of_lap, f"gates[{k}]", self._opened(gate), gate.counts))
+                found.append(Waypoint(name + of_lap, f"gates[{k}]", gate.completed(self.opening), gate.counts))
         if self.closed:
             found.append(replace(found[0], name=f"{found[0].name.removesuffix(' of lap 1')} at the end"))
         if self.end is not None:
@@ -149,9 +161,3 @@ class Track(Described):
     def has_openings(self) -> bool:
         """Whether a gate that counts has an opening or an orientation, so that more than a distance decides about it."""
         return any(gate.shaped or gate.oriented for gate in self.counted)
-
-    def _opened(self, gate: Gate) -> Gate:
-        """A gate with the track's opening, where it has an orientation and no opening of its own."""
-        if self.opening is None or gate.shaped or not gate.oriented:
-            return gate
-        return gate.model_copy(update={name: getattr(self.opening, name) for name in self.opening.model_fields_set})

@@ -22,11 +22,13 @@ class Scenario:
         race: track, vehicle and settings.
         reference: the flight that the controller is asked to repeat.
         segments: the parts of the reference that have parameters of their own.
+        notes: what was assumed about a reference that was read, one line each.
     """
 
     race: Race
     reference: Reference
     segments: Segments
+    notes: tuple[str, ...] = ()
 
     @property
     def space(self) -> ParameterSpace:

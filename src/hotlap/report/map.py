@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,84 +11,18 @@ from numpy.typing import NDArray
 from hotlap.race.track import Track
 from hotlap.reference.reference import Reference
 from hotlap.reference.segmentation import SegmentClass, Segments
+from hotlap.report.canvas import ANSI, Canvas, dense, paint
 from hotlap.report.labels import group, number
+from hotlap.report.map_marks import GATE, START, draw_structures, legend
 from hotlap.report.projection import View, box_of, views_of, widen
+from hotlap.report.structures import Structures, structures_of
 
 Floats = NDArray[np.float64]
 
-DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])  # of the Unicode block from U+2800, rows by columns
-BRAILLE = 0x2800
-CLASS_CODES = {  # ANSI foreground colours
-    SegmentClass.FLAT: 36,
-    SegmentClass.ASCENT: 32,
-    SegmentClass.DESCENT: 33,
-    SegmentClass.STEEP: 35,
-}
 LEAST_EXTENT = 1.0  # m
 LEAST_COLUMNS = 34  # for a title
 GUTTER = 4  # columns between views side by side
-ANSI = re.compile("\x1b\\[[0-9]*m")
-START, GATE = "S", "o"
-
-
-@dataclass(frozen=True)
-class _Canvas:
-    """A grid of characters to draw on.
-
-    Attributes:
-        dots: shape (rows, columns), bits of the braille patterns.
-        kinds: shape (rows, columns), index of the segment that was drawn last.
-        texts: shape (rows, columns), characters in front of the dots; "" for none.
-    """
-
-    dots: NDArray[np.int64]
-    kinds: NDArray[np.int64]
-    texts: NDArray[np.str_]
-
-    @staticmethod
-    def blank(columns: int, rows: int) -> _Canvas:
-        """An empty canvas."""
-        return _Canvas(np.zeros((rows, columns), np.int64), np.zeros((rows, columns), np.int64), np.full((rows, columns), "", "<U1"))
-
-    def draw(self, points: Floats, kinds: NDArray[np.int64]) -> None:
-        """Dots at points, shape (n, 2) in dots from the upper left corner, drawn by segments of shape (n,)."""
-        x, y = np.ceil(points - 0.5).astype(int).T  # halves go to the upper left, as the gates of `_write_gates` do
-        np.bitwise_or.at(self.dots, (y // 4, x // 2), DOTS[y % 4, x % 2])
-        self.kinds[y // 4, x // 2] = kinds
-
-    def write(self, column: int, row: int, text: str) -> None:
-        """Write a text over the dots."""
-        self.texts[row, column : column + len(text)] = list(text)
-
-    def hidden(self, column: int, row: int, text: str, own: tuple[int, int]) -> float:
-        """How many cells of the path a text would cover; infinite where it does not fit or would touch another text.
-
-        Args:
-            column: of its first character.
-            row: of the text.
-            text: what it says.
-            own: column and row of the mark that it belongs to, and may touch.
-        """
-        rows, columns = self.dots.shape
-        if not (0 <= row < rows and column >= 0 and column + len(text) <= columns):
-            return np.inf
-        near = self.texts[row, max(column - 1, 0) : column + len(text) + 1]
-        if (near != "").sum() > (row == own[1]):
-            return np.inf
-        return float((self.dots[row, column : column + len(text)] > 0).sum())
-
-    def lines(self, segments: Segments, *, colour: bool) -> list[str]:
-        """The rows as text, all of the same width."""
-        lines, classes = [], segments.segment_classes
-        for dots, kinds, texts in zip(self.dots, self.kinds, self.texts, strict=True):
-            line = ""
-            for dot, kind, text in zip(dots.tolist(), kinds.tolist(), texts.tolist(), strict=True):
-                if text or not dot:
-                    line += text or " "
-                else:
-                    line += _paint(chr(BRAILLE + dot), classes[kind] if colour else None)
-            lines.append(line)
-        return lines
+UNSIZED = 1e-3  # of the track's longest extent: radius of an opening without a size, which is drawn as small as any
 
 
 @dataclass(frozen=True)
@@ -112,12 +46,23 @@ class _Arrangement:
     def dots(self, points: Floats, view: View, rows: int) -> Floats:
         """World positions in dots from the upper left corner of a view, shape (n, 2)."""
         span = np.array([2 * self.columns, 4 * rows])
-        places = view.place_from_middle(view.project(points), self.scale) * [1.0, -1.0] + (span - 1) / 2
+        places = self.places(view.project(points), view, rows)
         return np.clip(places.round(6), 0, span - 1)  # a flat track lies halfway between dots: rounding errors must not choose one
+
+    def places(self, points: Floats, view: View, rows: int) -> Floats:
+        """Projected positions, shape (n, 2) [m], in dots from the upper left corner, also outside of the view."""
+        return view.place_from_middle(points, self.scale) * [1.0, -1.0] + (np.array([2 * self.columns, 4 * rows]) - 1) / 2
 
 
 def draw_map(
-    reference: Reference, gate_positions: Floats, segments: Segments, *, width: int = 78, height: int = 22, colour: bool = False
+    reference: Reference,
+    gate_positions: Floats,
+    segments: Segments,
+    *,
+    structures: Structures | None = None,
+    width: int = 78,
+    height: int = 22,
+    colour: bool = False,
 ) -> str:
     """A reference from above and from the side, to the same scale, with its gates numbered and its segments listed.
 
@@ -125,36 +70,52 @@ def draw_map(
         reference: its planned rows are drawn.
         gate_positions: shape (M, 3) [m] (world).
         segments: of the reference; coloured if asked for.
+        structures: what stands on the track; None: gates are points.
         width: most columns, at least 30.
         height: most rows of the views with their titles, at least 8.
         colour: by ANSI codes, for terminals that know them.
     """
     width, path = max(width, 30), reference.position[: reference.planned_rows]
     kinds = segments.at(reference.times[: len(path)])
-    lines = _draw_views(path, kinds, gate_positions, segments, width, height, colour=colour)
-    lines += ["", *_list_segments(segments, width, colour=colour)]
+    lines = _draw_views(path, kinds, gate_positions, structures, segments, width, height, colour=colour)
+    lines += ["", *_list_segments(segments, width, colour=colour), *legend(structures, width)]
     return "\n".join(line.rstrip() for line in lines)
 
 
 def draw_track(track: Track, *, width: int = 78, height: int = 22) -> str:
     """A track from above and from the side, to the same scale: straight lines from the start through the gates, numbered, to the end."""
     path = np.vstack([track.start, track.waypoints])
-    one = Segments(np.zeros(1), (SegmentClass.FLAT,), 1.0)
-    lines = _draw_views(path, np.zeros(len(path), dtype=np.int64), track.gate_positions, one, max(width, 30), height, colour=False)
-    return "\n".join(line.rstrip() for line in lines)
+    one, width = Segments(np.zeros(1), (SegmentClass.FLAT,), 1.0), max(width, 30)
+    structures = structures_of(track, UNSIZED * float(np.ptp(path, axis=0).max()))
+    kinds = np.zeros(len(path), dtype=np.int64)
+    lines = _draw_views(path, kinds, track.gate_positions, structures, one, width, height, colour=False)
+    return "\n".join(line.rstrip() for line in [*lines, *legend(structures, width)])
 
 
 def _draw_views(
-    path: Floats, kinds: NDArray[np.int64], gate_positions: Floats, segments: Segments, width: int, height: int, *, colour: bool
+    path: Floats,
+    kinds: NDArray[np.int64],
+    gate_positions: Floats,
+    structures: Structures | None,
+    segments: Segments,
+    width: int,
+    height: int,
+    *,
+    colour: bool,
 ) -> list[str]:
     """Both views, with their titles; segments of shape (rows,) draw the path."""
     low, high = box_of(np.vstack([path, gate_positions]))
+    if structures is not None:
+        low, high = structures.surround(low, high)
     layout = _arrange(low, high, width, max(height, 8))
     views = []
     for view, rows in zip(layout.views, layout.rows, strict=True):
-        canvas = _Canvas.blank(layout.columns, rows)
-        canvas.draw(*_dense(layout.dots(path, view, rows), kinds))
-        _write_gates(canvas, layout.dots(path[:1], view, rows)[0], layout.dots(gate_positions, view, rows))
+        canvas = Canvas.blank(layout.columns, rows)
+        marks = np.full(len(gate_positions), GATE)
+        if structures is not None and not structures.plain:
+            marks = draw_structures(canvas, structures, view, partial(layout.places, view=view, rows=rows), 1 / layout.scale)
+        canvas.draw(*dense(layout.dots(path, view, rows), kinds))
+        _write_gates(canvas, layout.dots(path[:1], view, rows)[0], layout.dots(gate_positions, view, rows), marks)
         views.append([view.title(high - low)[: layout.columns], *canvas.lines(segments, colour=colour)])
     return _beside(views[0], views[1], layout.columns) if layout.beside else [*views[0], *views[1]]
 
@@ -182,22 +143,13 @@ def _beside(left: list[str], right: list[str], columns: int) -> list[str]:
     return [a + " " * gap + b for a, gap, b in zip(left, widths, right, strict=True)]
 
 
-def _dense(points: Floats, kinds: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """The path with points added until neighbours are at most one dot apart."""
-    if len(points) < 2:
-        return points, kinds
-    steps = np.maximum(1, np.ceil(np.abs(np.diff(points, axis=0)).max(axis=1))).astype(int)
-    places = np.append(np.repeat(np.arange(len(steps)), steps) + np.concatenate([np.arange(n) / n for n in steps]), len(steps))
-    dense = np.stack([np.interp(places, np.arange(len(points)), column) for column in points.T], axis=1)
-    return dense, kinds[places.astype(int)]
-
-
-def _write_gates(canvas: _Canvas, start: Floats, gates: Floats) -> None:
-    """Mark the start and the gates, with the numbers of the gates where there is room."""
+def _write_gates(canvas: Canvas, start: Floats, gates: Floats, marks: NDArray[np.str_]) -> None:
+    """Mark the start and the gates, with the numbers of the gates where there is room; gates in one cell that differ get a plain mark."""
     cells = np.floor(gates / (2, 4))
     groups = group(cells, 0.5)
-    for cell, _ in groups:
-        canvas.write(int(cell[0]), int(cell[1]), GATE)
+    for cell, members in groups:
+        mark = str(marks[members[0]])
+        canvas.write(int(cell[0]), int(cell[1]), mark if (marks[members] == mark).all() else GATE)
     canvas.write(int(start[0] // 2), int(start[1] // 4), START)
     for cell, members in groups:
         text, (column, row) = number(members, most=2), cell.astype(int).tolist()
@@ -216,11 +168,6 @@ def _list_segments(segments: Segments, width: int, *, colour: bool) -> list[str]
         text = f"{piece.segment + 1} {piece.kind.value} {piece.start:.1f}-{piece.end:.1f} s"
         if length and length + 3 + len(text) > width:
             lines, length = [*lines, ""], 0
-        lines[-1] += ("   " if length else "") + _paint(text, piece.kind if colour else None)
+        lines[-1] += ("   " if length else "") + paint(text, piece.kind if colour else None)
         length += len(text) + (3 if length else 0)
     return lines
-
-
-def _paint(text: str, kind: SegmentClass | None) -> str:
-    """A text in the colour of a class of segments; None: as it is."""
-    return text if kind is None else f"\x1b[{CLASS_CODES[kind]}m{text}\x1b[0m"

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.report.scene import Scene
+from hotlap.report.structures import BARB, SPREAD, GateShape, box_lines, obstacle_lines
 
 Floats = NDArray[np.float64]
 
@@ -21,21 +22,24 @@ LEAST_EXTENT = 3.0  # m: a flat track is a strip, not a line
 STRAY = 0.12  # of the extent: how far beyond the plan flights are still in the drawing
 SLANT = math.radians(38)  # of the film's camera above the horizon
 TURN = math.radians(12)  # off the track's long axis, so that straights do not hide behind each other
+ARROW = 0.9  # of an opening's reach, in the film
 GRID = 9  # lines of the ground in each direction
 
 
 class Layer(IntEnum):
     """The parts of a drawing from above or from the side, in the order in which they are drawn: later ones cover earlier ones."""
 
-    GATE_AREA = 1
-    COMPARISON = 2
-    FLIGHT_EDGE = 3
-    FLIGHT = 4
-    PLAN = 5
-    GATE_CIRCLE = 6
-    START = 7
-    FAILURE = 8
-    LABEL = 9
+    BORDER = 1
+    OBSTACLE = 2
+    GATE_AREA = 3
+    COMPARISON = 4
+    FLIGHT_EDGE = 5
+    FLIGHT = 6
+    PLAN = 7
+    GATE_CIRCLE = 8
+    START = 9
+    FAILURE = 10
+    LABEL = 11
 
 
 @dataclass(frozen=True)
@@ -124,8 +128,9 @@ def widen(low: Floats, high: Floats, least: float, margin: float = 0.0) -> tuple
 
 def scene_views(scene: Scene) -> tuple[View, View]:
     """A scene from above and from the side: the plan with its gates, and flights as far as they do not stray too far from it."""
-    known = np.vstack([scene.path, scene.gates - scene.distance, scene.gates + scene.distance])
-    low, high = box_of(known)
+    bare = np.array([gate.centre for gate in scene.structures.gates if gate.bare]).reshape(-1, 3)
+    low, high = scene.structures.surround(*box_of(np.vstack([scene.path, bare - scene.distance, bare + scene.distance])))
+    known = np.stack([low, high])
     margin = STRAY * float((high - low).max())
     flown = [flight.position for flight in scene.traces] + [repeats.failures for repeats in scene.repeats]
     everything = np.vstack([known, *(np.clip(points, low - margin, high + margin) for points in flown)])
@@ -162,13 +167,13 @@ def aim(points: Floats) -> Camera:
     return Camera(right, math.sin(SLANT) * away + math.cos(SLANT) * np.array([0.0, 0.0, 1.0]))
 
 
-def rings(centres: Floats, normals: Floats, radius: float, points: int = 33) -> Floats:
+def rings(centres: Floats, normals: Floats, radius: float | Floats, points: int = 33) -> Floats:
     """Circles in space, shape (n, points, 3) [m].
 
     Args:
         centres: shape (n, 3) [m].
         normals: shape (n, 3), of any length; where a normal is 0, the circle is upright and faces along x.
-        radius: [m]
+        radius: [m] of all, or shape (n,) of each.
         points: of each, the last on the first.
     """
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -178,18 +183,53 @@ def rings(centres: Floats, normals: Floats, radius: float, points: int = 33) -> 
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(axes, first)
     angles = np.linspace(0, 2 * np.pi, points)[:, None]
-    return centres[:, None] + radius * (np.cos(angles) * first[:, None] + np.sin(angles) * second[:, None])
+    return centres[:, None] + np.reshape(radius, (-1, 1, 1)) * (np.cos(angles) * first[:, None] + np.sin(angles) * second[:, None])
 
 
 def gate_rings(scene: Scene) -> Floats:
     """Gates as circles across the planned velocity, shape (M, points, 3) [m] (world)."""
-    reference = scene.reference
+    reference, radii = scene.reference, np.array([shape.radius for shape in scene.structures.gates])
     rows = np.clip(np.round(reference.gate_times / reference.period).astype(int), 0, len(reference.velocity) - 1)
-    return rings(scene.gates, reference.velocity[rows], scene.distance)
+    return rings(scene.gates, reference.velocity[rows], radii)
+
+
+def gate_lines(scene: Scene, least: float) -> tuple[tuple[Floats, ...], ...]:
+    """Lines of each gate, each shape (k, 3) [m] (world): its opening and the way in which it is passed, or a circle across the plan.
+
+    Args:
+        scene: with its gates.
+        least: [m] reach of an opening that can be seen.
+    """
+    rings = gate_rings(scene)
+    return tuple(_opening_lines(shape.larger(least)) or (ring,) for shape, ring in zip(scene.structures.gates, rings, strict=True))
+
+
+def standing_lines(scene: Scene) -> tuple[Floats, ...]:
+    """Obstacles and the box as lines, each shape (k, 3) [m] (world), as far as they stand near the track."""
+    structures = scene.structures
+    low, high = structures.surround(*box_of(scene.path))
+    ground = np.append(low[:2], max(low[2], ground_level(scene)))
+    lines = [line for obstacle in structures.obstacles for line in obstacle_lines(obstacle, ground, high)]
+    lines += box_lines(structures.box) if structures.box is not None else ()
+    return tuple(line for line in lines if ((line >= low - 1e-9) & (line <= high + 1e-9)).all())
+
+
+def _opening_lines(shape: GateShape) -> tuple[Floats, ...]:
+    """Rims, walls and arrow of an opening; () for a point or a ball."""
+    length = ARROW * shape.reach
+    arrow = shape.arrow(length)
+    if shape.plane is None or arrow is None:
+        return (*shape.rims, *shape.walls)
+    left, _ = shape.plane.rotation[:, 1:].T
+    tail, tip = arrow
+    barbs = [tip - BARB * (tip - tail) + side * SPREAD * BARB * length * left for side in (1, -1)]
+    return (*shape.rims, *shape.walls, np.stack([tail, tip, barbs[0], tip, barbs[1]]))
 
 
 def ground_level(scene: Scene) -> float:
-    """Height [m] of the ground that is drawn: below all of the plan."""
+    """Height [m] of the ground that is drawn: the floor on which something stands, else below all of the plan."""
+    if scene.structures.floor is not None:
+        return scene.structures.floor
     return float(min(scene.path[:, 2].min(), scene.gates[:, 2].min()) - 1.5 * scene.distance)
 
 
@@ -210,6 +250,7 @@ def shadow(scene: Scene) -> Floats:
 
 def picture_box(scene: Scene, camera: Camera) -> tuple[Floats, Floats]:
     """The box of plan, shadow and gates in a camera's picture, with a margin, each shape (2,) [m]."""
-    low, high = box_of(camera.project(np.vstack([scene.path, scene.gates, shadow(scene)])))
-    margin = 0.06 * float((high - low).max()) + scene.distance
+    corners = np.vstack([shape.bounds for shape in scene.structures.distinct if not shape.bare] or [scene.gates])
+    low, high = box_of(camera.project(np.vstack([scene.path, scene.gates, shadow(scene), corners])))
+    margin = 0.06 * float((high - low).max()) + (scene.distance if any(shape.bare for shape in scene.structures.gates) else 0.0)
     return low - margin, high + margin

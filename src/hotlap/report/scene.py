@@ -12,6 +12,7 @@ from hotlap.race.race import GateRule
 from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import Segments
+from hotlap.report.structures import Structures, structures_of
 from hotlap.tuning.scoring import score
 
 Floats = NDArray[np.float64]
@@ -102,7 +103,9 @@ class Scene:
         reference: that was to be followed.
         segments: of the reference.
         gates: shape (M, 3) [m] (world).
-        distance: [m] from its centre within which a gate is passed.
+        distance: [m] from its centre within which a gate without size is passed.
+        structures: gates as they are drawn, obstacles, box.
+        rule: when a gate counts as passed.
         traces: flights recorded in full, the most important first.
         repeats: all flights with the same parameters as the traces.
     """
@@ -112,6 +115,8 @@ class Scene:
     segments: Segments
     gates: Floats
     distance: float
+    structures: Structures
+    rule: GateRule
     traces: tuple[Trace, ...] = ()
     repeats: tuple[Repeats, ...] = ()
 
@@ -136,8 +141,9 @@ class Scene:
 
 def stage(scenario: Scenario, traces: tuple[Trace, ...] = (), repeats: tuple[Repeats, ...] = ()) -> Scene:
     """The scene of a scenario, with flights where there are any."""
-    race = scenario.race
-    return Scene(race.name, scenario.reference, scenario.segments, race.track.gate_positions, race.judge.distance, traces, repeats)
+    race, distance = scenario.race, scenario.race.judge.distance
+    gates, structures = race.track.gate_positions, structures_of(race.track, distance)
+    return Scene(race.name, scenario.reference, scenario.segments, gates, distance, structures, race.judge.rule, traces, repeats)
 
 
 def trace(scenario: Scenario, flights: Flights, index: int, label: str) -> Trace:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from hotlap.race.race import GateRule
 from hotlap.reference.segmentation import Segments
 from hotlap.report.scene import Scene, Trace
 from hotlap.report.style import BEST, CLASS_COLOURS, FACE, FAILURE, FIRST, INK, QUIET, SMALL, headline, place_axes, styled, text_width
@@ -71,43 +72,51 @@ def tracking_error(scene: Scene) -> Figure:
     axes.set_ylim(0, top)
     draw_bands(axes, scene.segments, WIDTH)
     draw_gate_times(axes, scene.reference.gate_times, WIDTH)
-    axes.axhline(scene.distance, color=INK, linewidth=0.9, linestyle=(0, (5, 2)), zorder=2)
-    axes.annotate(
-        f"gate passed\nwithin {scene.distance:g} m",
-        (1, scene.distance),
-        xycoords=("axes fraction", "data"),
-        xytext=(5, 0),
-        textcoords="offset points",
-        fontsize=SMALL,
-        va="center",
-    )
+    by_distance = scene.rule is not GateRule.OPENING
+    if by_distance:
+        _draw_limit(axes, scene.distance)
     for flight, colour in zip(scene.traces, (BEST, FIRST), strict=False):
-        _draw_flight(axes, flight, colour, top)
+        _draw_flight(axes, flight, colour, top, judged=by_distance)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("distance [m]")
     key = [
         ("━", colour, f"{flight.label}: {flight.ending}, {_summary(flight)}")
         for flight, colour in zip(scene.traces, (BEST, FIRST), strict=False)
     ]
-    detail = "line: distance from the reference; dots: distance from the gate as it is judged; numbers: gates"
+    dots = "dots: distance from the gate as it is judged; " if by_distance else ""
+    detail = f"line: distance from the reference; {dots}numbers: gates"
     headline(figure, LEFT, f"{scene.race}: tracking error", detail, key)
     return figure
 
 
 def _top(scene: Scene) -> float:
     """Upper limit of the chart [m]: the first flight fits into it, the others may leave it."""
-    least = 1.75 * scene.distance
+    distance = max(shape.reach for shape in scene.structures.gates) if scene.rule is GateRule.OPENING else scene.distance
     error = scene.traces[0].error if scene.traces else np.zeros(0)
-    return min(max(least, 1.3 * float(error.max(initial=0.0))), 4 * scene.distance)
+    return min(max(1.75 * distance, 1.3 * float(error.max(initial=0.0))), 4 * distance)
 
 
-def _draw_flight(axes: Axes, flight: Trace, colour: str, top: float) -> None:
-    """Tracking error, judged distances from the gates, and end of one flight."""
+def _draw_limit(axes: Axes, distance: float) -> None:
+    """The distance within which a gate is passed, as a line."""
+    axes.axhline(distance, color=INK, linewidth=0.9, linestyle=(0, (5, 2)), zorder=2)
+    axes.annotate(
+        f"gate passed\nwithin {distance:g} m",
+        (1, distance),
+        xycoords=("axes fraction", "data"),
+        xytext=(5, 0),
+        textcoords="offset points",
+        fontsize=SMALL,
+        va="center",
+    )
+
+
+def _draw_flight(axes: Axes, flight: Trace, colour: str, top: float, *, judged: bool) -> None:
+    """Tracking error, distances from the gates where they are judged by it, and end of one flight."""
     front = 4 if colour == BEST else 3
     axes.plot(flight.times, flight.error, color=colour, zorder=front)
     passed = np.arange(len(flight.gate_distance)) < flight.gates_passed
     styles: tuple[dict[str, Any], ...] = ({"color": colour}, {"color": FACE, "markeredgecolor": FAILURE})
-    for seen, style in zip((passed, ~passed), styles, strict=True):
+    for seen, style in zip((passed, ~passed), styles, strict=True) if judged else ():
         heights = np.where(flight.gate_distance[seen] > top, np.nan, flight.gate_distance[seen])
         axes.plot(flight.seen_times[seen], heights, linestyle="none", marker="o", markersize=3.2, zorder=front + 2, clip_on=False, **style)
     if flight.failed and len(flight.error):

@@ -63,7 +63,7 @@ def _draw(figure: Figure, view: View, scene: Scene, box: tuple[float, float, flo
     position, speed = scene.coloured_path
     if len(position) > 1:
         draw_speed(axes, view, position, speed, norm)
-    draw_plan(axes, view, scene, line=bool(scene.traces))
+    draw_plan(axes, view, scene, scale, line=bool(scene.traces))
     for positions, size in zip(scene.failures, (7.0, 4.0, 4.0), strict=False):
         draw_failures(axes, view, positions, size)
     lines = np.vstack([view.place(view.project(line), scale) for line in (scene.path, position)])

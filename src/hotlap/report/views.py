@@ -6,13 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
-from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from hotlap.report.labels import Placer, group, number
 from hotlap.report.projection import AXES, Layer, View
 from hotlap.report.scene import Scene, Trace
+from hotlap.report.silhouettes import arrow_in, arrow_length
+from hotlap.report.standing import ARROW, LEAST, draw_structures
 from hotlap.report.style import FACE, FAILURE, FIRST, GHOST_DASHES, INK, LINE, QUIET, SMALL, SPEED_MAP, text_width
 
 Floats = NDArray[np.float64]
@@ -42,15 +43,13 @@ def draw_speed(axes: Axes, view: View, position: Floats, speed: Floats, norm: No
     axes.add_collection(lines, autolim=False)
 
 
-def draw_plan(axes: Axes, view: View, scene: Scene, *, line: bool) -> None:
-    """The plan as a thin line (if `line`), its start, and the gates to scale."""
+def draw_plan(axes: Axes, view: View, scene: Scene, scale: float, *, line: bool) -> None:
+    """The plan as a thin line (if `line`), its start, and what stands on the track, to a scale [inches per metre]."""
     path = view.project(scene.path)
     if line:
         axes.plot(*path.T, color=INK, linewidth=0.5, zorder=Layer.PLAN)
     axes.plot(*path[0], marker="s", markersize=4.5, color=FACE, markeredgecolor=INK, markeredgewidth=1.0, zorder=Layer.START)
-    for centre in view.project(np.unique(scene.gates, axis=0)):
-        axes.add_patch(Circle(tuple(centre), scene.distance, facecolor=INK, alpha=0.10, linewidth=0, zorder=Layer.GATE_AREA))
-        axes.add_patch(Circle(tuple(centre), scene.distance, fill=False, edgecolor=INK, linewidth=0.8, zorder=Layer.GATE_CIRCLE))
+    draw_structures(axes, view, scene.structures, scale)
 
 
 def draw_ghost(axes: Axes, view: View, flight: Trace) -> None:
@@ -77,12 +76,19 @@ def write_gates(axes: Axes, view: View, scene: Scene, scale: float, placer: Plac
         placer: of the labels in this view.
     """
     start, gates = (view.place(view.project(points), scale) for points in (scene.path[:1], scene.gates))
-    spots = [(start[0], "start"), *((point, number(members)) for point, members in group(gates, 0.09))]
-    radius = scene.distance * scale
-    placer.block(np.array([point for point, _ in spots[1:]]), max(0.05, 0.7 * radius))
+    groups = group(gates, 0.09)
+    spots = [(start[0], "start"), *((point, number(members)) for point, members in groups)]
+    shapes = [scene.structures.gates[members[0]].larger(LEAST / scale) for _, members in groups]
+    radii = [0.03, *(shape.reach * scale for shape in shapes)]
+    for (point, _), radius in zip(spots[1:], radii[1:], strict=True):
+        placer.block(point[None], max(0.05, 0.7 * radius))
     placer.block(spots[0][0][None], 0.05)
+    for shape in shapes:
+        arrow = arrow_in(shape, view, arrow_length(shape, scale, ARROW))
+        if arrow is not None:
+            placer.block(view.place(arrow[1:], scale), 0.04)
     for i, (point, text) in enumerate(spots):
-        place = placer.place(point, text_width(text, SMALL) + 0.06, HEIGHT, gap=0.04 + (radius if i else 0.03))
+        place = placer.place(point, text_width(text, SMALL) + 0.06, HEIGHT, gap=0.04 + radii[i])
         x, y = view.low + place * view.signs / scale
         label = axes.text(x, y, text, fontsize=SMALL, ha="center", va="center", color=INK if i else QUIET, zorder=Layer.LABEL)
         label.set_path_effects([withStroke(linewidth=1.8, foreground=FACE)])

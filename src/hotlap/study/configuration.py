@@ -6,10 +6,12 @@ import hashlib
 import io
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from hotlap import tuners
 from hotlap.core.parameters import Parameters
@@ -22,7 +24,8 @@ from hotlap.tuning.loop import TuningSettings
 from hotlap.tuning.scoring import Metric
 
 GIVEN = "given"  # name of a first guess that a program passed as numbers
-MAY_DIFFER = ("budget", "first_guess_name")  # a study may be given a larger budget; of a first guess its numbers count
+MAY_DIFFER = ("budget", "first_guess_name", "race.planning.dynamics")
+"""A study may be given a larger budget; of a first guess its numbers count, and of a way to plan the reference."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,12 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
 
 
 def compared(plain: Mapping[str, Any]) -> dict[str, Any]:
-    """Dotted keys and values of a dump, without those that may differ between runs of one study."""
+    """Dotted keys and values of a dump, without those that may differ between runs of one study.
+
+    Keys that a dump of before does not know have their defaults.
+    """
+    with suppress(ValidationError):
+        plain = {**plain, "race": Race.model_validate(plain["race"]).model_dump(mode="json")}
     flat = dict(_flatten(json.loads(json.dumps(plain)), ""))
     return {key: value for key, value in flat.items() if key not in MAY_DIFFER and not _is_provenance(key)}
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from hotlap.report.film.drone import draw_drone
 from hotlap.report.film.flight_frames import FlightFrames
-from hotlap.report.projection import Camera, aim, gate_rings, ground_grid, ground_level, picture_box, shadow
+from hotlap.report.projection import Camera, aim, gate_lines, ground_grid, ground_level, picture_box, shadow, standing_lines
 from hotlap.report.scene import Scene
 from hotlap.report.style import SPEED_MAP, own_settings, place_axes
 
@@ -29,6 +29,8 @@ FAILURE, DONE, GATE, PASSED = "#ff6159", "#7ddc8b", "#4a5868", "#eef2f6"
 WIDTH, TOP, BOTTOM, EDGE = 4.5, 0.95, 0.5, 0.15  # inches of a panel, and around it
 SHORTEST, TALLEST = 2.2, 4.2  # inches of a panel's height
 DPI = 100
+STANDING = "#3d4a59"  # obstacles and box
+LEAST = 0.6  # arms of the drone, of an opening's reach
 DRONE = 0.028  # of the width of what is seen: an arm, several times too large, to be seen at all
 
 
@@ -70,6 +72,7 @@ class _Film:
         low, high = picture_box(scene, camera)
         extent = high - low
         height = float(np.clip(WIDTH * extent[1] / extent[0], SHORTEST, TALLEST))
+        low, high = _fill(low, high, WIDTH / height)
         size = np.array([len(flights) * (WIDTH + EDGE) + EDGE, TOP + height + BOTTOM])
         self._figure = Figure(figsize=tuple(np.round(size * DPI / 2) * 2 / DPI), dpi=DPI, facecolor=NIGHT)
         self._canvas = FigureCanvasAgg(self._figure)
@@ -108,7 +111,7 @@ class _Panel:
     def __init__(self, axes: Axes, scene: Scene, camera: Camera, flight: FlightFrames, label: str, norm: Normalize) -> None:
         self._camera, self._flight, self._total = camera, flight, len(scene.gates)
         self._ground, self._size = ground_level(scene), DRONE * abs(float(np.subtract(*axes.get_xlim())))
-        self._path, self._gates = camera.project(flight.position), camera.project(gate_rings(scene))
+        self._path, self._gates = camera.project(flight.position), _project(camera, gate_lines(scene, LEAST * self._size))
         _draw_still(axes, scene, camera, self._gates)
         above: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": 10.5}
         axes.annotate(label, (0, 1), xytext=(0, 22), color=LIGHT, **above)
@@ -129,7 +132,7 @@ class _Panel:
         self._trail.set_segments(_pairs(self._path[: good + 1]))
         self._trail.set_array(flight.speed[1 : good + 1])
         self._lost.set_segments(_pairs(self._path[good : k + 1]))
-        self._lit.set_segments(list(self._gates[: flight.passed[k]]))
+        self._lit.set_segments([line for lines in self._gates[: flight.passed[k]] for line in lines])
         position, failed = flight.position[k], flight.failed and over
         drone = draw_drone(position, flight.attitude[k], self._size, flight.layout)
         self._drone.set_segments([self._camera.project(line) for line in drone])
@@ -142,6 +145,13 @@ class _Panel:
         self._count.set_text(f"{mark}{flight.ending}" if over else f"{flight.passed[k]} of {self._total} gates")
 
 
+def _fill(low: Floats, high: Floats, aspect: float) -> tuple[Floats, Floats]:
+    """A box, each shape (2,) [m], made wider or higher about its middle, so that its width is `aspect` times its height."""
+    middle, extent = (low + high) / 2, high - low
+    half = max(extent[0], aspect * extent[1]) / 2 * np.array([1.0, 1 / aspect])
+    return middle - half, middle + half
+
+
 def _panel(figure: Figure, left: float, height: float, low: Floats, high: Floats) -> Axes:
     """Axes to scale, without a frame."""
     axes = place_axes(figure, left, BOTTOM, WIDTH, height)
@@ -152,12 +162,20 @@ def _panel(figure: Figure, left: float, height: float, low: Floats, high: Floats
     return axes
 
 
-def _draw_still(axes: Axes, scene: Scene, camera: Camera, gates: Floats) -> None:
-    """The ground, the plan with its shadow, and the gates."""
+def _project(camera: Camera, gates: Sequence[Sequence[Floats]]) -> list[list[Floats]]:
+    """The lines of each gate in the picture."""
+    return [[camera.project(line) for line in lines] for lines in gates]
+
+
+def _draw_still(axes: Axes, scene: Scene, camera: Camera, gates: list[list[Floats]]) -> None:
+    """The ground, the plan with its shadow, what stands on the track, and the gates."""
     axes.add_collection(LineCollection(list(camera.project(ground_grid(scene))), colors=FAINT, linewidths=0.6, zorder=0), autolim=False)
     axes.plot(*camera.project(shadow(scene)).T, color="#1b242f", linewidth=2.0, zorder=1)
     axes.plot(*camera.project(scene.path).T, color="#3b4856", linewidth=0.9, zorder=2)
-    axes.add_collection(LineCollection(list(gates), colors=GATE, linewidths=1.1, zorder=2.5), autolim=False)
+    _add(axes, LineCollection([camera.project(line) for line in standing_lines(scene)], colors=STANDING, linewidths=0.7, zorder=1.5))
+    frames = [camera.project(frame) for shape in scene.structures.distinct for frame in shape.frames]
+    _add(axes, LineCollection(frames, colors=GATE, linewidths=2.2, alpha=0.6, zorder=2.4))
+    _add(axes, LineCollection([line for lines in gates for line in lines], colors=GATE, linewidths=1.1, zorder=2.5))
 
 
 def _add(axes: Axes, lines: LineCollection) -> LineCollection:

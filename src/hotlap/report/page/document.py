@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-import base64
 import json
-import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation, wilson_interval
-from hotlap.files import toml_writer
-from hotlap.files.descriptions import PARAMETERS_FILE
-from hotlap.planning.feasibility import mistaken
+from hotlap.files.descriptions import PARAMETERS_FILE, to_toml
+from hotlap.planning.race_feasibility import mistaken
 from hotlap.race.quadrotor import rotor_positions
 from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
 from hotlap.report.history import collect, succeeded
+from hotlap.report.page.packing import number, numbers, pack, thin
 from hotlap.report.page.replay import BEST, DEFAULT, FIRST, Replay
+from hotlap.report.page.standing import dump_structures
 from hotlap.report.scene import Repeats, Trace
 from hotlap.study.snapshot import Snapshot
 
 FORMAT = 1
 MOST_SAMPLES, MOST_VALUES = 2000, 150_000  # search flights whose parameters are sent, and numbers in them
-MOST_ROWS = 2500  # of a time series: more than a screen has pixels
 IDS = {BEST: "best", FIRST: "first", DEFAULT: "default"}  # of the sets of parameters in the page
 SYMBOLS = {  # letters of the paper, where it has them
     "Q_pos_xy": "Q_xy",
@@ -36,6 +33,7 @@ SYMBOLS = {  # letters of the paper, where it has them
     "Q_velocity": "Q_v",
     "horizon": "T",
 }
+RULES = {GateRule.CLOCK: "clock", GateRule.OPENING: "opening"}
 STREAMS = (Stream.SEARCH, Stream.CONFIRMATION, Stream.VALIDATION)
 
 
@@ -170,7 +168,7 @@ def _configuration(snapshot: Snapshot) -> dict[str, Any]:
         "fingerprint": asked.fingerprint,
         "versions": dict(snapshot.openings[-1][1]) if snapshot.openings else {},
         "opened": [moment for moment, _ in snapshot.openings],
-        "race_toml": toml_writer.write(race.model_dump(mode="json", exclude_none=True)),
+        "race_toml": to_toml(race),
         "settings": {**tuner, **settings},
         "world": asked.world,
         "files": {"study": str(snapshot.folder), "parameters": str(snapshot.folder / PARAMETERS_FILE)},
@@ -186,8 +184,9 @@ def dump_scenario(scenario: Scenario) -> dict[str, Any]:
         "duration": float(scenario.reference.duration),
         "lap_time": scenario.reference.lap_time,
         "gate_distance": race.judge.distance,
-        "rule": "clock" if race.judge.rule is GateRule.CLOCK else "approach",
+        "rule": RULES.get(race.judge.rule, "approach"),
         "floor": race.track.floor,
+        **dump_structures(scenario),
         "gates": pack(race.track.gate_positions),
         "gate_times": pack(scenario.reference.gate_times),
         "gate_segments": scenario.gate_segments.tolist(),
@@ -262,27 +261,6 @@ def dump_repeats(repeats: Repeats) -> dict[str, Any]:
         "failed_gates": repeats.failed_gates.tolist(),
         "ends": ["crashed" if crashed else "missed" for crashed in repeats.crashed.tolist()],
     }
-
-
-def pack(values: ArrayLike) -> dict[str, Any]:
-    """An array as base64 of little-endian float32, with its shape; NaN is allowed."""
-    array = np.ascontiguousarray(np.asarray(values, dtype="<f4"))
-    return {"f32": base64.b64encode(array.tobytes()).decode("ascii"), "shape": list(array.shape)}
-
-
-def number(value: float) -> float | None:
-    """A number for JSON: None where it is not finite."""
-    return float(value) if math.isfinite(value) else None
-
-
-def numbers(values: ArrayLike) -> list[float | None]:
-    """Numbers for JSON, of shape (n,)."""
-    return [number(value) for value in np.asarray(values, dtype=np.float64).tolist()]
-
-
-def thin(rows: int, most: int = MOST_ROWS) -> slice:
-    """Selects every n-th of some rows, evenly, so that at most `most` are left."""
-    return slice(None, None, max(1, math.ceil(rows / most)))
 
 
 def write_json(document: dict[str, Any]) -> str:

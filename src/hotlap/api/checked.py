@@ -1,0 +1,109 @@
+"""Checked: what a file means; a race is planned and flown with weights that nobody has tuned."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hotlap import worlds
+from hotlap.api.asked import Asked
+from hotlap.api.first_flights import describe_flights
+from hotlap.api.inputs import as_path, check_range, check_source
+from hotlap.api.outcome import Outcome
+from hotlap.api.scenarios import load as load_race
+from hotlap.api.scenarios import make_ready, make_scenario
+from hotlap.core.errors import InputError, PlanningError
+from hotlap.files.descriptions import TYPES, Description, Kind, load
+from hotlap.planning.feasibility import Finding, Level, describe
+from hotlap.planning.plan_feasibility import describe_flown
+from hotlap.planning.race_feasibility import describe_race
+from hotlap.race.race import Race
+from hotlap.race.track import Track
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_FLIGHTS = 10_000
+
+
+@dataclass(frozen=True, repr=False)
+class CheckedFile(Outcome):
+    """What a track, a quadrotor or a race means.
+
+    Attributes:
+        description: as it was read.
+        findings: in the order in which one would ask.
+    """
+
+    description: Description
+    findings: tuple[Finding, ...]
+
+    @property
+    def kind(self) -> Kind:
+        """What it describes."""
+        return next(kind for kind, described in TYPES.items() if isinstance(self.description, described))
+
+    @property
+    def warned(self) -> bool:
+        """Whether there is a warning among the findings."""
+        return any(finding.level is Level.WARNING for finding in self.findings)
+
+    def facts(self) -> dict[str, str]:
+        """Name and warnings."""
+        warnings = {finding.label: f"{finding.value} {finding.remark}" for finding in self.findings if finding.level is Level.WARNING}
+        return {"kind": f"{self.kind} {self.description.name}", **warnings}
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row for each finding."""
+        return [{"label": one.label, "value": one.value, "remark": one.remark, "level": one.level.value} for one in self.findings]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The keys of `hotlap check --json`."""
+        return {"kind": self.kind.value, "name": self.description.name, "findings": self.rows()}
+
+    def plot(self) -> Figure:
+        """Nothing: a plan can be drawn.
+
+        Raises:
+            InputError: always.
+        """
+        raise InputError("", "plot", "findings are words; hotlap.plan(RACE).plot() draws a race")
+
+
+def carry_out(asked: Asked) -> CheckedFile:
+    """Check what was asked for, the quick things first; plan and fly a race."""
+    check_range("flights", asked.flights, 0, MOST_FLIGHTS)
+    check_source(as_path(asked.reference))
+    description = asked.file if isinstance(asked.file, tuple(TYPES.values())) else load(asked.file)
+    if not isinstance(description, Race):
+        _refuse_of_a_race(asked, "track" if isinstance(description, Track) else "quadrotor")
+        return CheckedFile(description, describe(description))
+    race = load_race(description, asked.controller)
+    return CheckedFile(race, tuple(_describe(race, asked)))
+
+
+def _refuse_of_a_race(asked: Asked, kind: str) -> None:
+    """Refuse what only a race has."""
+    for name in ("reference", "controller"):
+        if getattr(asked, name) is not None:
+            raise InputError("", name, f"is of a race, not of a {kind}")
+
+
+def _describe(race: Race, asked: Asked) -> Iterator[Finding]:
+    """What a race means: figures first, then its plan, then its flights."""
+    planned, file = asked.reference is None, "" if asked.reference is None else Path(asked.reference).name
+    try:
+        scenario = make_scenario(race, asked)
+    except PlanningError as error:
+        yield from describe_race(race)
+        yield Finding("no plan", "none", str(error), Level.WARNING)
+        return
+    yield from describe_race(race, scenario.reference.max_speed, planned=planned)
+    yield from (Finding("assumed", file, note.removeprefix(f"{asked.reference}: "), Level.NOTE) for note in scenario.notes)
+    yield from describe_flown(race, scenario.reference, file)
+    if asked.flights:
+        world = worlds.build("built-in")
+        make_ready(world, scenario, asked.progress)
+        yield from describe_flights(scenario, world, asked.flights, (lambda slower: make_scenario(slower, asked)) if planned else None)

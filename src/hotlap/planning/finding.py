@@ -1,0 +1,41 @@
+"""Finding: one line about a track, a quadrotor, a race, its plan or its flights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Level(StrEnum):
+    """How much a finding matters."""
+
+    FACT = "fact"
+    NOTE = "note"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line about a description.
+
+    Attributes:
+        label: what it is about.
+        value: the figure with its unit.
+        remark: what it means, or "".
+        level: how much it matters.
+    """
+
+    label: str
+    value: str
+    remark: str = ""
+    level: Level = Level.FACT
+
+
+def note_if(condition: bool) -> Level:
+    """A note where something holds, else a fact."""
+    return Level.NOTE if condition else Level.FACT
+
+
+def warning_if(condition: bool) -> Level:
+    """A warning where something holds, else a fact."""
+    return Level.WARNING if condition else Level.FACT
