@@ -23,7 +23,8 @@ from hotlap.reference.encounters import find_crossings
 SAMPLES = 24  # of an interval
 REACH = 0.3  # m beyond the margin within which a solid is looked at, and half of an interval's length
 SLACK = 0.02  # m that a path may come nearer than it should
-GIVEN = 0.3  # share of the clearance that a path may come nearer
+GIVEN = 0.3  # share of a clearance that nobody asked for by which a path may come nearer
+SHRUNK = 0.4  # of such a clearance, where there is no way with all of it
 EXTRA = 0.005  # m added to what a path came too near
 SLOPE = 0.3  # by which a margin that had to be made smaller grows with the distance from there
 PLUGGED = 0.05  # m kept from an opening that must not be crossed
@@ -39,12 +40,14 @@ class Kept:
         margin: [m] to be kept by the vehicle's centre.
         least: [m] that must be kept.
         anchors: places (3,) (world) of start and targets that are nearer than the margin, each with its distance [m].
+        tolerance: [m] by which a path may be nearer.
     """
 
     solid: Solid
     margin: float
     least: float
     anchors: tuple[tuple[Floats, float], ...]
+    tolerance: float
 
     @classmethod
     def of(cls, problem: Problem, solid: Solid, margin: float, least: float) -> Kept:
@@ -57,7 +60,8 @@ class Kept:
                 distance = smallest
             if distance < margin:
                 anchors.append((place, distance))
-        return cls(solid, margin, least, tuple(anchors))
+        given = 0.0 if problem.clearance_given else GIVEN * (margin - least)
+        return cls(solid, margin, least, tuple(anchors), max(SLACK, given))
 
     def margins(self, points: Floats) -> Floats:
         """[m] to be kept at points (n, 3): less near to start and targets that are nearer themselves."""
@@ -70,11 +74,6 @@ class Kept:
     def slack(self) -> float:
         """[m] by which straight ways around it may be nearer."""
         return min(2 * SLACK, 0.4 * self.margin)
-
-    @property
-    def tolerance(self) -> float:
-        """[m] by which a path may be nearer."""
-        return max(SLACK, GIVEN * (self.margin - self.least))
 
 
 @dataclass(frozen=True)
@@ -188,6 +187,11 @@ class Surroundings:
         for fault in faults:
             extra[fault.kept, fault.phase] = extra.get((fault.kept, fault.phase), 0.0) + fault.lack + EXTRA
         return replace(self, extra=extra)
+
+    def shrunk(self) -> Surroundings:
+        """The same with a smaller clearance."""
+        kept = [replace(kept, margin=kept.least + SHRUNK * (kept.margin - kept.least)) for kept in self.kept]
+        return Surroundings(self.problem, tuple(kept))
 
     def without_extra(self) -> Surroundings:
         """The same, with the margins of the beginning."""
