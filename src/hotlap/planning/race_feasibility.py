@@ -177,6 +177,8 @@ def _latency(race: Race, speed: float) -> Finding:
     latency = unknown_latency(race)
     if abs(latency) < 1e-9:
         return Finding("unknown latency", "0 ms", "the controller knows its dead time")
+    if -command_lag(race.vehicle) <= latency < 0 and race.control_model.delay > 0:
+        return Finding("unknown latency", "0 ms", f"the controller predicts {-latency * 1e3:g} ms further, over part of the lag")
     far = abs(latency) * speed
     remark = f"{far:.2f} m at top speed{_room(race)}: compensate first (model.delay), tune second"
     return Finding("unknown latency", f"{latency * 1e3:g} ms", remark, Level.NOTE)
