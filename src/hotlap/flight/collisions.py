@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from hotlap.core.records import Cause
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import INLINE, INNER
 from hotlap.flight.planes import Planes, between, planes_of, reach, rim_distance
 from hotlap.race.gate_plane import plane_of
 from hotlap.race.track import Track
@@ -77,7 +77,7 @@ def objects_of(track: Track, radius: float) -> Objects:
     )
 
 
-@njit(**COMPILE)
+@njit(**INNER)
 def touch(o: Objects, before: Any, now: Any, length: float, free: float) -> Any:
     """The first touch along a straight line.
 
@@ -107,7 +107,7 @@ def touch(o: Objects, before: Any, now: Any, length: float, free: float) -> Any:
     return share, what, which, flown - length
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _cross_frame(o: Objects, n: int, before: Any, now: Any) -> float:
     """Share of a line at which it crosses one of the two faces of frame n where the vehicle touches it; 2 where it does not."""
     a, b, half, found = reach(o.frames, n, 0, before), reach(o.frames, n, 0, now), o.frames.halves[n], 2.0
@@ -122,7 +122,7 @@ def _cross_frame(o: Objects, n: int, before: Any, now: Any) -> float:
     return found
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _nearest(o: Objects, point: Any) -> Any:
     """Distance of the vehicle at a point from the nearest object [m], which object that is, a `Cause`, and its index.
 
@@ -155,7 +155,7 @@ def _nearest(o: Objects, point: Any) -> Any:
     return distance, what, which
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _frame_distance(o: Objects, n: int, point: Any) -> float:
     """Distance of a point from where frame n is touched [m]: its faces thickened by the vehicle's radius, or its plane widened by it."""
     rim = rim_distance(o.frames, n, reach(o.frames, n, 1, point), reach(o.frames, n, 2, point))
@@ -164,7 +164,7 @@ def _frame_distance(o: Objects, n: int, point: Any) -> float:
     return min(_corner(aside, along - o.radius), _corner(aside - o.radius, along))
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _corner(a: float, b: float) -> float:
     """Distance from a body that reaches to a = 0 in one direction and to b = 0 in another at right angles; 0 within."""
     return math.sqrt(max(a, 0.0) ** 2 + max(b, 0.0) ** 2)

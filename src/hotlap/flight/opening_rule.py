@@ -7,7 +7,7 @@ from typing import Any
 
 from numba import njit
 
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import INLINE, INNER
 from hotlap.flight.openings import BALL, meet
 from hotlap.flight.planes import between
 from hotlap.flight.verdicts import FINISHED, FLYING, MISSED, Gates, Verdicts, approach, end_flight, finish
@@ -15,17 +15,21 @@ from hotlap.flight.verdicts import FINISHED, FLYING, MISSED, Gates, Verdicts, ap
 TOUCHING = 1e-9  # m: how far a passage beside a gate lies outside at least
 
 
-@njit(**COMPILE)
+@njit(**INNER)
 def decide_by_openings(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float, now: Any) -> bool:
     """Judge all gates whose windows are open within a period, of which several may be passed; returns whether nothing is left to see.
 
     Gates behind the next one are measured too, for flights that go on after a miss; what was seen before their turn is forgotten.
     """
     last, turn, waiting = len(g.times) - 1, start, False
+    while v.opened[i] <= last and g.closes[v.opened[i]] < start:
+        v.opened[i] += 1
+    length = (now[0] - before[0]) ** 2 + (now[1] - before[1]) ** 2 + (now[2] - before[2]) ** 2
     for k in range(v.opened[i], last + 1):
         if g.opens[k] > time:
             waiting = True
             break
+        approach(v, i, g, k, length, max(start, g.opens[k]), min(time, g.closes[k]), start, before, time, now)
         if g.openings.kinds[k] == BALL:
             turn = _near_ball(v, i, g, k, turn, start, before, time, now)
         elif k > v.gates_passed[i] or _awaited(v, i, k):
@@ -39,13 +43,13 @@ def decide_by_openings(v: Verdicts, i: int, g: Gates, start: float, before: Any,
     return v.end[i] == FINISHED or (v.end[i] == MISSED and not waiting)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _awaited(v: Verdicts, i: int, k: int) -> bool:
     """Whether gate k is the next one of a flight that has missed none."""
     return v.end[i] == FLYING and v.gates_passed[i] == k
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _through_plane(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: float, before: Any, time: float, now: Any) -> float:
     """Look for a passage of gate k; returns the time from which on the next gate may be passed [s]."""
     o = g.openings
@@ -61,7 +65,8 @@ def _through_plane(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: fl
         return turn
     place = between(before, now, share)
     if rim > 0:
-        end_flight(v, i, MISSED, moment, place)
+        if rim >= o.bands[k]:
+            end_flight(v, i, MISSED, moment, place)
         return turn
     _count(v, i, g, k, moment, start, before, time, now)
     if k == len(g.times) - 1:
@@ -69,7 +74,7 @@ def _through_plane(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: fl
     return moment
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _near_ball(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: float, before: Any, time: float, now: Any) -> float:
     """Look for a passage of a gate without orientation: its closest approach; returns as `_through_plane`."""
     v.rim_distance[i, k] = v.closest_distance[i, k] + g.openings.sizes[k]
@@ -80,7 +85,7 @@ def _near_ball(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: float,
     return moment
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _count(v: Verdicts, i: int, g: Gates, k: int, moment: float, start: float, before: Any, time: float, now: Any) -> None:
     """Count gate k as passed, and begin to look for the next one."""
     v.gates_passed[i] += 1
@@ -90,10 +95,12 @@ def _count(v: Verdicts, i: int, g: Gates, k: int, moment: float, start: float, b
         v.entered[i, following] = 0
         if g.openings.kinds[following] == BALL:
             v.closest_distance[i, following] = math.nan
-            approach(v, i, g, following, moment, start, before, time, now)
+            length = (now[0] - before[0]) ** 2 + (now[1] - before[1]) ** 2 + (now[2] - before[2]) ** 2
+            earliest, latest = max(moment, g.opens[following]), min(time, g.closes[following])
+            approach(v, i, g, following, length, earliest, latest, start, before, time, now)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _entrance(g: Gates, k: int, since: float, start: float, before: Any, time: float, now: Any) -> float:
     """Time at which a straight line that comes into a ball enters it, not before another time [s]."""
     inward, ahead, length = 0.0, 0.0, 0.0
@@ -106,7 +113,7 @@ def _entrance(g: Gates, k: int, since: float, start: float, before: Any, time: f
     return max(since, start + min(max(share, 0.0), 1.0) * (time - start))
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _close(v: Verdicts, i: int, k: int, time: float, now: Any) -> None:
     """The window of gate k has closed: where it was not crossed, its distance is that of the closest approach, and it was missed."""
     if math.isnan(v.rim_distance[i, k]):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from hotlap.flight.numbers import COMPILE
+from hotlap.flight.numbers import INLINE
 from hotlap.race.gate_plane import GatePlane
 
 
@@ -59,7 +59,7 @@ def planes_of(planes: Sequence[GatePlane | None]) -> Planes:
     return found
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def between(before: Any, now: Any, share: float) -> Any:
     """The point of a straight line at a share of it, from 0 to 1."""
     return (
@@ -69,7 +69,7 @@ def between(before: Any, now: Any, share: float) -> Any:
     )
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def reach(p: Planes, k: int, axis: int, point: Any) -> float:
     """[m] How far a point (world) lies from the centre of plane k along its normal (0), to the left (1) or up (2)."""
     total = 0.0
@@ -78,7 +78,7 @@ def reach(p: Planes, k: int, axis: int, point: Any) -> float:
     return total
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def rim_distance(p: Planes, k: int, left: float, up: float) -> float:
     """Signed distance of a point of plane k from the rim [m], negative inside, as `GatePlane.rim_distance`.
 
