@@ -12,11 +12,13 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from hotlap.dynamics import models
+from hotlap.dynamics.parameter_layout import AIRFRAME
 from hotlap.race.quadrotor import RotorLayout, torque_matrix
 
 GRAVITY = 9.81
 MASS, INERTIA, TORQUES = 0.85, np.array([0.004, 0.006, 0.009]), torque_matrix(RotorLayout.X, 0.2, 0.03)
 PLANNING, POINT_MASS = models.planning_model(), models.point_mass()
+AIRFRAME_MODEL, POINT_MASS_IN_AIR = models.airframe(), models.point_mass_in_air()
 NODE, LINEARISED = models.node_map(), models.linearised_node_map()
 ANGLES = (0.0, 0.3, 1.0, 2.0)  # rad that a node may turn by
 SERIES = 1.5e-6  # error of the truncated series over the eighth power of the angle
@@ -104,6 +106,42 @@ def test_the_point_mass_is_the_quadrotor_without_attitude():
     whole = call(PLANNING, np.concatenate([p, v, q, np.zeros(3)]), thrusts, model(0.3))
     push = rotation(q).apply([0, 0, thrusts.sum() / MASS])
     assert_allclose(call(POINT_MASS, np.concatenate([p, v]), push, [GRAVITY, 0.3]), whole[:6], rtol=1e-12)
+
+
+def vehicle(**drags: Any) -> np.ndarray:
+    """Values of `AIRFRAME`."""
+    values = {"mass": MASS, "gravity": GRAVITY, "inertia": INERTIA, "torques": TORQUES, "drag": np.zeros(3), "rotor_drag": 0.0}
+    values = {**values, "body_drag": np.zeros(3), **drags}
+    return np.concatenate([np.ravel(values[name]) for name in AIRFRAME])
+
+
+ALL_DRAGS = {"drag": (0.3, 0.3, 0.1), "rotor_drag": 0.03, "body_drag": (0.02, 0.02, 0.1)}
+
+
+def test_the_airframe_without_drags_is_the_planning_model_without_drag():
+    rng = draw(7)
+    state = np.concatenate([rng.normal(size=6), unit(rng, 4), rng.normal(size=3)])
+    thrusts = rng.uniform(1, 4, 4)
+    assert_allclose(call(AIRFRAME_MODEL, state, thrusts, vehicle()), call(PLANNING, state, thrusts, model()), rtol=1e-12)
+
+
+def test_the_airframe_drags_as_the_plant_does():
+    rng = draw(8)
+    v, q, thrusts = 5 * rng.normal(size=3), unit(rng, 4), rng.uniform(1, 4, 4)
+    air = rotation(q).inv().apply(v)
+    force = -np.array(ALL_DRAGS["body_drag"]) * air * np.abs(air) - MASS * np.array(ALL_DRAGS["drag"]) * air
+    force[:2] -= ALL_DRAGS["rotor_drag"] * np.sqrt(thrusts).sum() * air[:2]
+    state = np.concatenate([np.zeros(3), v, q, np.zeros(3)])
+    with_drags, without = (call(AIRFRAME_MODEL, state, thrusts, vehicle(**drags))[3:6] for drags in (ALL_DRAGS, {}))
+    assert_allclose(with_drags - without, rotation(q).apply(force) / MASS, rtol=1e-5)
+
+
+def test_the_point_mass_in_air_is_the_airframe_along_its_thrust():
+    rng = draw(9)
+    p, v, q = rng.normal(size=3), 10 * np.array([1.0, 0.0, 0.5]), np.array([np.cos(0.3), 0.0, np.sin(0.3), 0.0])  # flies in its own plane
+    whole = call(AIRFRAME_MODEL, np.concatenate([p, v, q, np.zeros(3)]), np.full(4, 3.0), vehicle(**ALL_DRAGS))
+    push = rotation(q).apply([0, 0, 12.0 / MASS])
+    assert_allclose(call(POINT_MASS_IN_AIR, np.concatenate([p, v]), push, vehicle(**ALL_DRAGS)), whole[:6], rtol=2e-3)
 
 
 def flow(x: np.ndarray, u: np.ndarray, h: float) -> np.ndarray:

@@ -68,10 +68,14 @@ def test_a_level_of_lsy_has_openings_frames_poles_and_a_box():
     assert [gate.yaw for gate in track.gates] == [-0.5, 2.0]
     assert (track.gates[1].pitch, track.gates[1].roll) == (0.2, 0.1)
     assert all((gate.side, gate.frame) == (0.4, 0.16) for gate in track.counted)
-    (pole,) = track.poles
-    assert (pole.position, pole.radius, pole.bottom, pole.top) == ((0.0, 0.75), 0.015, 0.0, 1.5)
+    assert track.floor == 0.0
+    pole, *stands = track.poles
+    assert (pole.position, pole.radius, pole.top) == ((0.0, 0.75), 0.015, 1.5)
+    assert [stand.position for stand in stands] == [(0.5, 0.25), (1.0, 1.0)]
+    assert [stand.top for stand in stands] == pytest.approx([0.34, 0.84])
     assert track.box is not None
-    assert (track.box.high, track.box.low[:2], track.floor) == ((2.5, 1.5, 2.0), (-2.5, -1.5), 0.0)
+    assert track.box.high == pytest.approx((2.6, 1.6, 2.1))
+    assert track.box.low == pytest.approx((-2.6, -1.6, -0.101))
     assert any("env.randomizations: gate_pos" in remark for remark in imported.lost)
     assert any("--name cf21B_500" in remark for remark in imported.lost)
 

@@ -11,7 +11,7 @@ from hotlap.planning.planner import find_plan
 from hotlap.planning.problem import Problem, Trajectory
 from hotlap.planning.sampling import sample
 from hotlap.race.quadrotor import RotorLayout
-from hotlap.race.race import Race
+from hotlap.race.race import PlanDynamics, Race
 from hotlap.race.track import Gate
 from hotlap.reference.reference import Reference
 
@@ -49,10 +49,25 @@ RACES = {
 }
 
 
+OWN: dict[str, Any] = {  # all that a plan with full dynamics knows
+    "motor_time": (0.03, 0.05),
+    "rate_gain": (15.0, 12.0, 5.0),
+    "torque_damping": 0.2,
+    "drag": (0.3, 0.2, 0.1),
+    "rotor_drag": 0.03,
+    "body_drag": (0.02, 0.03, 0.05),
+}
+WITH_ALL: dict[str, Any] = {"dynamics": PlanDynamics.FULL, "v_max": None}
+FULL = {
+    "full": make_race(track={"end": (-6.0, 0.0, 0.8)}, planning=WITH_ALL, quadrotor=OWN),
+    "at once": make_race(HILL[:2], planning=WITH_ALL, quadrotor={**OWN, "motor_time": (0.0, 0.0)}),
+}
+
+
 @cache
 def planned(name: str) -> tuple[Race, Problem, Trajectory, Reference]:
     """A race with its problem, its plan and the plan's rows, without run-out."""
-    race = RACES[name]
+    race = (RACES | FULL)[name]
     problem = Problem.of(race)
     trajectory = find_plan(problem)
     return race, problem, trajectory, sample(problem, trajectory, cpu_time=0.0)

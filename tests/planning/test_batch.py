@@ -7,12 +7,13 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from hotlap.planning.batch import evaluate
+from hotlap.planning.full_stage import full_stage
 from hotlap.planning.stage import point_mass_stage, quadrotor_stage
 
 
 def test_it_equals_the_mapped_function():
     rng, count = np.random.default_rng(1), 5
-    for stage, parameters in ((point_mass_stage(), 2), (quadrotor_stage(), 18)):
+    for stage, parameters in ((point_mass_stage(), 2), (quadrotor_stage(), 18), (full_stage(), 28)):
         rows = [rng.uniform(0.5, 1.5, size=(count, size)) for size in (stage.nx, stage.nu, 1)]
         shared = rng.uniform(0.5, 1.5, size=(1, parameters))
         symbols = [ca.MX.sym("a", *value.shape) for value in (*rows, shared)]

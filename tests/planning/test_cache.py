@@ -14,7 +14,7 @@ from hotlap.planning import cache as plan_cache
 from hotlap.planning import planner
 from hotlap.planning.problem import Problem
 from hotlap.race.quadrotor import RotorLayout
-from hotlap.race.race import Race, Ramp
+from hotlap.race.race import PlanDynamics, Race, Ramp
 from hotlap.reference.reference import Reference
 from hotlap.system.disk_cache import source_files
 from reached import reached
@@ -112,6 +112,19 @@ OTHERS = {
 def test_the_key_changes_with_whatever_changes_the_plan():
     keys = {plan_cache.key(Problem.of(race)) for race in (RACE, *OTHERS.values())}
     assert len(keys) == 1 + len(OTHERS)
+
+
+def test_the_key_of_a_plan_with_all_dynamics_changes_with_whatever_it_knows_besides():
+    race = small.FULL["full"]
+    others = [{"motor_time": (0.01, 0.02)}, {"rate_gain": (9.0, 9.0, 9.0)}, {"torque_damping": 0.5}]
+    others += [{"drag": (0.1, 0.2, 0.3)}, {"rotor_drag": 0.01}, {"body_drag": (0.1, 0.1, 0.1)}]
+    quadrotors = [race.planning_model.model_copy(update=other) for other in others]
+    settings = [race.planning.model_copy(update={"quadrotor": quadrotor}) for quadrotor in quadrotors]
+    settings += [race.planning.model_copy(update={"rate_share": 0.5}), race.planning.model_copy(update={"dynamics": PlanDynamics.IDEAL})]
+    changed = [race.model_copy(update={"planning": planning}) for planning in settings]
+    bound = race.controller.model_copy(update={"rates": (9.0, 10.0, 3.0)})
+    keys = {plan_cache.key(Problem.of(other)) for other in (race, race.model_copy(update={"controller": bound}), *changed)}
+    assert len(keys) == 2 + len(changed)
 
 
 def test_an_end_is_another_problem_than_a_last_gate():

@@ -376,3 +376,13 @@ def test_a_flight_that_begins_elsewhere_in_every_frame_is_refused_as_it_stands(w
     race = RACE.model_copy(update={"track": RACE.track.model_copy(update={"start": tuple(away.tolist())})})
     with pytest.raises(InputError, match=r"line 2, p_x: begins 3.00 m away"):
         read_reference(write(tmp_path / "whole.csv", whole), race)
+
+
+def test_rates_that_are_missed_in_a_few_turns_alone_are_missed_all_the_same(tmp_path):
+    times = row_times(4.0)
+    angles = np.column_stack([0 * times, 0.8 * np.clip((times - 2) / 0.2, 0, 1), 0 * times])  # level, a turn of 0.2 s, and leaning
+    columns = dict(zip(("t", *P), np.column_stack([times, times, 0 * times, 0 * times]).T, strict=True))
+    columns |= dict(zip((*V, *Q, *W), np.column_stack([np.tile([1, 0, 0], (len(times), 1)), np.zeros((len(times), 7))]).T, strict=True))
+    columns = changed(columns, Q, flatness.attitudes_of_angles(angles))
+    with pytest.raises(InputError, match=r"w_x, w_y, w_z: .* are all zero"):
+        read_reference(write(tmp_path / "seldom.csv", columns), RACE)

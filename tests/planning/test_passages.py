@@ -180,3 +180,12 @@ def test_points_that_do_not_count_are_no_targets_and_laps_have_names():
     assert [target.name for target in targets_of(race)] == ["gate 1", "gate 2"]
     laps = race.model_copy(update={"track": race.track.model_copy(update={"laps": 2})})
     assert [target.name for target in targets_of(laps)][2:] == ["gate 1 of lap 2", "gate 2 of lap 2"]
+
+
+def test_a_tunnel_is_passed_inside_from_end_to_end():
+    slanting = line() + np.column_stack([0 * TIMES, 0.2 * (2 * TIMES - 6.0), 0 * TIMES])  # through the middle of a gate at x = 6
+    radius = opened(hole(6.0)).vehicle.outer_radius
+    room = 0.5 - radius
+    assert_allclose(through(opened(hole(6.0, depth=2 * (room / 0.2 - 0.1))), slanting), [3.0], atol=1e-9)
+    with pytest.raises(MissedGateError, match=r"gate 1: is passed 0\.02 m outside of what its opening leaves"):
+        through(opened(hole(6.0, depth=2 * (room / 0.2 + 0.1))), slanting)

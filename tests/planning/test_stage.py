@@ -8,22 +8,31 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from hotlap.dynamics.models import planning_model
+from hotlap.dynamics.parameter_layout import AIRFRAME
+from hotlap.planning.full_stage import full_stage
 from hotlap.planning.minimum_time import model_parameters
 from hotlap.planning.problem import Problem
-from hotlap.planning.stage import Stage, point_mass_stage, quadrotor_stage
+from hotlap.planning.stage import Stage, point_mass_in_air_stage, point_mass_stage, quadrotor_stage
 
 from . import small
 
 MODEL = model_parameters(Problem.of(small.RACES["drag"]))
-STAGES = [pytest.param(point_mass_stage(), np.array([9.81, 0.3]), id="point mass"), pytest.param(quadrotor_stage(), MODEL, id="quadrotor")]
+FULL = model_parameters(Problem.of(small.FULL["full"]))
+STAGES = [
+    pytest.param(point_mass_stage(), np.array([9.81, 0.3]), id="point mass"),
+    pytest.param(point_mass_in_air_stage(), FULL[: sum(AIRFRAME.values())], id="point mass in air"),
+    pytest.param(quadrotor_stage(), MODEL, id="quadrotor"),
+    pytest.param(full_stage(), FULL, id="full"),
+]
 
 
 def draw(stage: Stage) -> np.ndarray:
     """Any w = (state, control, step)."""
     rng = np.random.default_rng(3)
     w = np.concatenate([rng.normal(size=stage.nx), rng.uniform(1.0, 3.0, size=stage.nu), [0.07]])
-    if stage.nx == 13:
+    if stage.nx >= 13:
         w[6:10] /= np.linalg.norm(w[6:10])
+    w[13 : stage.nx] = np.abs(w[13 : stage.nx])  # rotor thrusts
     return w
 
 

@@ -21,7 +21,7 @@ from hotlap.report.film.film import LONGEST, pace_of, write_film
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.recording import check_recorder, find_ffmpeg, record
 from hotlap.report.page.replay import choose
-from hotlap.report.projection import aim, gate_lines, rings, standing_lines
+from hotlap.report.projection import aim, gate_lines, ground_level, rings, standing_lines
 from hotlap.report.scene import stage
 from plausible_world import OPTIMUM, PlausibleWorld
 from studies import begin, carry, configure
@@ -192,3 +192,9 @@ def test_without_ffmpeg_an_mp4_is_refused_in_one_line(tmp_path, monkeypatch):
 def test_a_film_that_cannot_be_written_is_an_input_error(tmp_path, name):
     with pytest.raises(InputError, match="cannot be written"):
         record(tmp_path / "nowhere" / name, frames())
+
+
+def test_the_ground_of_a_film_is_the_floor_on_which_something_stands():
+    assert ground_level(stage(make_hall())) == HALL.floor
+    bare = make_scenario()
+    assert ground_level(stage(bare)) < bare.reference.position[:, 2].min()

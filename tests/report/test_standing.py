@@ -12,6 +12,7 @@ from matplotlib.patches import Circle, PathPatch, Polygon, Rectangle
 
 from fake_world import make_scenario
 from hall import BALL, EITHER, GATES, POINT, make_hall
+from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.race.track import Track
 from hotlap.report import figures
 from hotlap.report.page.static_map import draw_track_map
@@ -123,3 +124,9 @@ def test_the_map_of_the_page_shows_the_same_openings_and_arrows(scene, drawn):
 
 def test_the_map_of_a_track_of_bare_points_has_circles_and_nothing_else():
     assert not re.search("polygon|obstacles|way|dasharray", draw_track_map(stage(make_scenario())))
+
+
+@pytest.mark.parametrize("rule", list(GateRule))
+def test_the_chart_of_the_error_shows_the_distance_that_counts_only_where_it_decides(rule):
+    axes = figures.tracking_error(stage(make_hall(judge=JudgeSettings(rule=rule, distance=1.1)))).axes[0]
+    assert any(np.allclose(line.get_ydata(), 1.1) for line in axes.lines) == (rule is not GateRule.OPENING)

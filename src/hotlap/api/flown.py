@@ -106,7 +106,7 @@ class FlightsResult(Outcome):
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap fly --json`."""
-        return {"race": self.scenario.race.name, "world": self.world, "flights": self.rows()}
+        return {"race": self.scenario.race.name, "world": self.world, "notes": list(self.scenario.notes), "flights": self.rows()}
 
     def plot(self) -> Figure:
         """The first flight over the reference, from above and from the side, and where the others failed."""

@@ -9,9 +9,9 @@ from hotlap.importers.turning import is_level, quaternion_of
 
 OPENING = {"side": 0.4, "frame": 0.16}  # m: a square of 0.4 m in a frame of 0.72 m, by the comments of its files
 POLE = 0.03  # m, the diameter of an obstacle
-STAND = (0.1, 0.36)  # m: thickness of a gate's stand, and how far below the gate's centre it ends (envs/assets/gate.xml)
+STAND = (0.07, 0.36)  # m: radius of a gate's stand, 0.1 m square, and how far below the gate's centre it ends (envs/assets/gate.xml)
 GROUND = 0.0  # m
-BELOW_GROUND = -1.0  # m: the box reaches below the floor, which has a rule of its own for a drone that stands on it
+DRONE = 0.1  # m: the safety limits bound the drone's centre; our box holds all of it
 
 
 def _is_level_file(content: Content) -> bool:
@@ -27,12 +27,13 @@ def _read(content: Content, name: str | None) -> Findings:
     found.table["gates"] = [_gate(gate) for gate in track["gates"].entries()]
     found.table |= {"opening": OPENING, "floor": GROUND}
     _bound(found, track)
-    if "obstacles" in track:
-        found.table["poles"] = [_pole(obstacle) for obstacle in track["obstacles"].items()]
+    obstacles = track["obstacles"].items() if "obstacles" in track else ()
+    found.table["poles"] = [*(_pole(obstacle) for obstacle in obstacles), *map(_stand, found.table["gates"])]
     found.taken += [
         "a gate is given by its centre, angles in radians; it is passed along its x axis",
         f"openings of {OPENING['side']:g} m in frames {OPENING['frame']:g} m wide, as the comments of these files say",
         f"obstacles are poles of {POLE:g} m diameter from the ground up to their position",
+        f"the gates' own stands are poles, too: 0.1 m square in the simulator, up to {STAND[1]:g} m below the centre",
     ]
     _tell(found, content)
     return found
@@ -67,7 +68,14 @@ def _pole(obstacle: Content) -> dict:
     x, y, top = obstacle["pos"].vector()
     if top <= GROUND:
         raise obstacle["pos"].fault(f"must be the top of a pole, above the ground, not at {top:g} m")
-    return {"position": [x, y], "radius": POLE / 2, "top": top, "bottom": GROUND}
+    return {"position": [x, y], "radius": POLE / 2, "top": top}
+
+
+def _stand(gate: dict) -> dict:
+    """The stand of a gate."""
+    x, y, z = gate["position"]
+    radius, below = STAND
+    return {"position": [x, y], "radius": radius, "top": z - below}
 
 
 def _bound(found: Findings, track: Content) -> None:
@@ -76,17 +84,12 @@ def _bound(found: Findings, track: Content) -> None:
         return
     limits = track["safety_limits"]
     low, high = limits["pos_limit_low"].vector(), limits["pos_limit_high"].vector()
-    found.table["box"] = {"low": [*low[:2], min(low[2], BELOW_GROUND)], "high": high}
-    found.taken.append("box is the safety limits; downwards the floor at 0 m bounds, and the box reaches below it")
+    found.table["box"] = {"low": [value - DRONE for value in low], "high": [value + DRONE for value in high]}
+    found.taken.append(f"box is the safety limits and {DRONE:g} m around them: they bound the drone's centre, our box all of it")
 
 
 def _tell(found: Findings, content: Content) -> None:
     """Name what is not carried over."""
-    thickness, below = STAND
-    found.lost.append(
-        f"gates' stands: {thickness:g} m thick in the simulator, from the ground to {below:g} m below the centre; "
-        f"to keep clear of them add poles with radius = {thickness / 2:g} and top = z - {below:g} at the gates' x and y"
-    )
     for key in ("disturbances", "randomizations"):
         if key in content["env"]:
             drawn = ", ".join(content["env"][key].table())

@@ -125,17 +125,15 @@ def _prism(entry: Content, kind: str, clearances: dict[str, float]) -> dict:
     """A gate that is a polygon."""
     rotation = rotation_of(*map(math.radians, entry["rpy"].vector()))
     axes = np.stack([-rotation[:, 2], rotation[:, 1], rotation[:, 0]], axis=1)  # normal, left, up
-    gate = {"position": entry["position"].vector(), **angles_of(axes), **SHAPES[kind](entry, margin=False)}
+    gate = {"position": entry["position"].vector(), **angles_of(axes)}
+    whole, narrow = SHAPES[kind](entry, margin=False), SHAPES[kind](entry, margin=True)
     if kind == "RectanglePrisma" and math.isclose(abs(gate.get("roll", 0.0)), math.pi):
         del gate["roll"]  # it looks the same upside down
-    length = entry["length"].number() if "length" in entry else 0.0
-    if length > SHORTEST_TUNNEL:
-        gate["depth"] = length
-    narrow = SHAPES[kind](entry, margin=True)
-    clearance = _clearance(gate, {**gate, **narrow}, entry)
+    clearance = _clearance({**gate, **whole}, {**gate, **narrow}, entry)
     if clearance > 1e-9:
         clearances[entry.key] = clearance
-    return gate
+    length = entry["length"].number() if "length" in entry else 0.0
+    return {**gate, **whole, **({"depth": length} if length > SHORTEST_TUNNEL else {})}
 
 
 def _clearance(gate: dict, narrowed: dict, entry: Content) -> float:
@@ -148,7 +146,7 @@ def _clearance(gate: dict, narrowed: dict, entry: Content) -> float:
 def _checked(table: dict, entry: Content) -> Gate:
     """A gate, for its geometry."""
     try:
-        return Gate.model_validate({key: value for key, value in table.items() if key != "depth"})
+        return Gate.model_validate(table)
     except ValueError:
         raise entry.fault("its size, less its margin, is no opening") from None
 
@@ -160,7 +158,7 @@ def _margin(entry: Content, key: str = "margin") -> float:
 def _rectangle(entry: Content, *, margin: bool) -> dict:
     width = entry["width"].positive() - margin * _margin(entry, "marginW")
     height = entry["height"].positive() - margin * _margin(entry, "marginH")
-    return {"width": width, "height": height}
+    return {"side": width} if width == height else {"width": width, "height": height}
 
 
 def _triangle(entry: Content, *, margin: bool) -> dict:

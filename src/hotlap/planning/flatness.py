@@ -32,7 +32,7 @@ def slopes(values: Floats, period: float, times: int = 1) -> tuple[Floats, ...]:
     from scipy.signal import savgol_filter  # noqa: PLC0415  only for what is incomplete
 
     window = min(SMOOTHED[times], len(values) - 1 + len(values) % 2)
-    return tuple(savgol_filter(values, window, 2, deriv=k, delta=period, axis=0) for k in range(1, times + 1))
+    return tuple(np.asarray(savgol_filter(values, window, 2, deriv=k, delta=period, axis=0)) for k in range(1, times + 1))
 
 
 def attitudes_along(vectors: Floats, start: Floats) -> Floats:

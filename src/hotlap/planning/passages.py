@@ -15,7 +15,7 @@ from hotlap.race.race import GateRule, Race
 Floats = NDArray[np.float64]
 
 GOING_ON = 0.02  # s that a flight goes on behind its last row: that row may lie a hair before the last gate's plane
-SLACK = 1e-3  # m
+SLACK = 0.01  # m that a reference may be beside an opening: as much as its rows and roundings may tell
 STEEP = math.cos(math.radians(75))  # cosine of the angle from a gate's normal below which it is passed sideways
 
 
@@ -43,6 +43,7 @@ class Target:
         limit: what sets it: "judge.distance".
         plane: of an oriented gate; None for a ball.
         keep: [m] to be kept from the rim of a plane's opening.
+        slack: [m] that a passage may be beside it.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Target:
     limit: str = "judge.distance"
     plane: GatePlane | None = None
     keep: float = 0.0
+    slack: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ def targets_of(race: Race) -> tuple[Target, ...]:
         if by_openings and plane is None and gate.radius:
             reach, limit = gate.radius, "the gate's radius"
         keep = race.vehicle.outer_radius if plane is not None and plane.solid else 0.0
-        found.append(Target(point.name, np.array(gate.position), reach, limit, plane, keep))
+        found.append(Target(point.name, np.array(gate.position), reach, limit, plane, keep, SLACK if by_openings else 0.0))
     return tuple(found)
 
 
@@ -133,7 +135,7 @@ def _approaches(times: Floats, position: Floats, velocity: Floats, target: Targe
     shifts = -(offsets * velocity).sum(axis=1) / np.maximum((velocity**2).sum(axis=1), 1e-12)  # foot of the perpendicular
     shifts = np.clip(shifts, least, most)
     misses = np.linalg.norm(offsets + shifts[:, None] * velocity, axis=1)
-    close = misses <= target.reach
+    close = misses <= target.reach + target.slack
     reason = f"is passed at {misses.min():.2f} m; {target.limit} = {target.reach:g} m is the most that counts"
     return _Passages((times[rows] + shifts)[close], misses[close] ** 2, reason)
 
@@ -146,9 +148,9 @@ def _crossings(times: Floats, position: Floats, velocity: Floats, target: Target
     rows = np.flatnonzero(forward | backward)
     shares = depth[rows] / (depth[rows] - depth[rows + 1])
     across = points[rows, 1:] + shares[:, None] * (points[rows + 1, 1:] - points[rows, 1:])
-    rim = plane.rim_distance(across) + target.keep
+    rim = np.maximum(plane.rim_distance(across), _worst_inside(plane, points, rows)) + target.keep
     right = np.full(len(rows), fill_value=True) if not plane.one_way else forward[rows]
-    inside = rim <= SLACK
+    inside = rim <= target.slack
     passed = right & inside
     found = np.minimum(moments[rows] + shares * (moments[rows + 1] - moments[rows]), times[-1])
     costs = ((across - plane.middle[0]) ** 2).sum(axis=1)
@@ -156,14 +158,36 @@ def _crossings(times: Floats, position: Floats, velocity: Floats, target: Target
     return _Passages(found[passed], costs[passed], reason)
 
 
+def _worst_inside(plane: GatePlane, points: Floats, rows: NDArray[np.intp]) -> Floats:
+    """Largest rim distance on the way through a tunnel, of each crossing of its middle [m]; -inf where it has no depth.
+
+    Args:
+        plane: of the gate.
+        points: shape (rows, 3) [m] (gate).
+        rows: the last ones before each crossing.
+    """
+    within = np.abs(points[:, 0]) <= plane.depth / 2
+    rims, outside = plane.rim_distance(points[:, 1:]), np.flatnonzero(~within)
+    worst = np.full(len(rows), -np.inf)
+    for k, row in enumerate(rows):
+        behind = np.searchsorted(outside, row + 1)  # the flight is within from the last row outside before the crossing
+        last = outside[behind] if behind < len(outside) else len(points)
+        before = np.searchsorted(outside, row, side="right") - 1
+        first = outside[before] + 1 if before >= 0 else 0
+        worst[k] = rims[first:last].max(initial=-np.inf)
+    return worst
+
+
 def _outside(target: Target, plane: GatePlane, rim: Floats, right: NDArray[np.bool_]) -> str:
     """Why crossings near the opening do not count, in one clause that says what to change; "" where there are none."""
-    if (rim[~right] <= SLACK).any() and not (rim[right] < plane.room).any():
+    if (rim[~right] <= target.slack).any() and not (rim[right] < plane.room).any():
         return 'is passed backwards; turn its yaw by pi, or set its direction to "backward" or "either", if that is the way meant'
     near = rim[right]
     if len(near) and near.min() < 2 * plane.room:
         if plane.solid:
-            return f"is passed {near.min():.2f} m outside of what its opening leaves to a vehicle of {target.keep:g} m radius"
+            return (
+                f"is passed {near.min():.2f} m outside of what its opening leaves to a vehicle of {target.keep:g} m radius (vehicle.radius)"
+            )
         return f"is passed {near.min() + plane.radius:.2f} m from its centre; {target.limit} = {plane.radius:g} m is the most that counts"
     return ""
 

@@ -140,9 +140,10 @@ def _check_rates(table: Table) -> Table:
     times, attitude, rates = table.values[:, TIME], table.values[:, ATTITUDE], table.values[:, RATES]
     stride = _stride(times)
     wanted, given = turn_rates_over(times, attitude, stride), _means(times, rates, stride)
-    misfit = _misfit(given, wanted, UNTURNED)
+    misfit, errors = _misfit(given, wanted, UNTURNED), given - wanted
+    across, about = _size(errors[:, :2]), _size(errors[:, 2:])
     if _misfit(given[:, :2], wanted[:, :2], UNTURNED) <= FOREIGN:
-        if misfit <= LIKE:
+        if misfit <= LIKE or about < 3 * across:
             return table
         return table.without("rates", "w_z does not belong to the attitudes: w_x, w_y, w_z are left out")
     looks = _looks(given, wanted, UNTURNED, _rate_guesses(table, stride))
@@ -252,11 +253,15 @@ def _means(times: Floats, values: Floats, stride: int) -> Floats:
 
 
 def _misfit(given: Floats, wanted: Floats, least: float) -> float:
-    """Relative root mean square difference, the worst tenth of the rows apart; 0 where it is less than `least` in units."""
-    errors = np.sort((given - wanted) ** 2 @ np.ones(given.shape[1]))
-    error = math.sqrt(errors[: max(1, int(0.9 * len(errors)))].mean())
-    size = math.sqrt(float((wanted**2).sum(axis=1).mean()))
-    return 0.0 if error < least else error / max(size, least)
+    """Relative root mean square difference; 0 where it is less than `least` in units."""
+    error = _size(given - wanted)
+    return 0.0 if error < least else error / max(_size(wanted), least)
+
+
+def _size(values: Floats) -> float:
+    """Root mean square of rows, the worst hundredth of them apart: more would take away all turns of a flight that turns seldom."""
+    squares = np.sort((values**2).sum(axis=1))
+    return math.sqrt(squares[: max(1, int(0.99 * len(squares)))].mean())
 
 
 def _looks(given: Floats, wanted: Floats, least: float, guesses: Iterator[tuple[str, Floats]]) -> str:

@@ -208,8 +208,8 @@ def standing_lines(scene: Scene) -> tuple[Floats, ...]:
     """Obstacles and the box as lines, each shape (k, 3) [m] (world), as far as they stand near the track."""
     structures = scene.structures
     low, high = structures.surround(*box_of(scene.path))
-    low[2] = max(low[2], ground_level(scene))
-    lines = [line for obstacle in structures.obstacles for line in obstacle_lines(obstacle, low, high)]
+    ground = np.append(low[:2], max(low[2], ground_level(scene)))
+    lines = [line for obstacle in structures.obstacles for line in obstacle_lines(obstacle, ground, high)]
     lines += box_lines(structures.box) if structures.box is not None else ()
     return tuple(line for line in lines if ((line >= low - 1e-9) & (line <= high + 1e-9)).all())
 
@@ -227,7 +227,9 @@ def _opening_lines(shape: GateShape) -> tuple[Floats, ...]:
 
 
 def ground_level(scene: Scene) -> float:
-    """Height [m] of the ground that is drawn: below all of the plan."""
+    """Height [m] of the ground that is drawn: the floor on which something stands, else below all of the plan."""
+    if scene.structures.floor is not None:
+        return scene.structures.floor
     return float(min(scene.path[:, 2].min(), scene.gates[:, 2].min()) - 1.5 * scene.distance)
 
 
@@ -250,5 +252,5 @@ def picture_box(scene: Scene, camera: Camera) -> tuple[Floats, Floats]:
     """The box of plan, shadow and gates in a camera's picture, with a margin, each shape (2,) [m]."""
     corners = np.vstack([shape.bounds for shape in scene.structures.distinct if not shape.bare] or [scene.gates])
     low, high = box_of(camera.project(np.vstack([scene.path, scene.gates, shadow(scene), corners])))
-    margin = 0.06 * float((high - low).max()) + scene.distance
+    margin = 0.06 * float((high - low).max()) + (scene.distance if any(shape.bare for shape in scene.structures.gates) else 0.0)
     return low - margin, high + margin

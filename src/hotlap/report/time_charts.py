@@ -91,9 +91,9 @@ def tracking_error(scene: Scene) -> Figure:
 
 def _top(scene: Scene) -> float:
     """Upper limit of the chart [m]: the first flight fits into it, the others may leave it."""
-    least = 1.75 * scene.distance
+    distance = max(shape.reach for shape in scene.structures.gates) if scene.rule is GateRule.OPENING else scene.distance
     error = scene.traces[0].error if scene.traces else np.zeros(0)
-    return min(max(least, 1.3 * float(error.max(initial=0.0))), 4 * scene.distance)
+    return min(max(1.75 * distance, 1.3 * float(error.max(initial=0.0))), 4 * distance)
 
 
 def _draw_limit(axes: Axes, distance: float) -> None:

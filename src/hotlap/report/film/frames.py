@@ -72,6 +72,7 @@ class _Film:
         low, high = picture_box(scene, camera)
         extent = high - low
         height = float(np.clip(WIDTH * extent[1] / extent[0], SHORTEST, TALLEST))
+        low, high = _fill(low, high, WIDTH / height)
         size = np.array([len(flights) * (WIDTH + EDGE) + EDGE, TOP + height + BOTTOM])
         self._figure = Figure(figsize=tuple(np.round(size * DPI / 2) * 2 / DPI), dpi=DPI, facecolor=NIGHT)
         self._canvas = FigureCanvasAgg(self._figure)
@@ -142,6 +143,13 @@ class _Panel:
         self._count.set_fontweight("bold" if over else "normal")
         mark = "✕ " if failed else "✓ " if over else ""
         self._count.set_text(f"{mark}{flight.ending}" if over else f"{flight.passed[k]} of {self._total} gates")
+
+
+def _fill(low: Floats, high: Floats, aspect: float) -> tuple[Floats, Floats]:
+    """A box, each shape (2,) [m], made wider or higher about its middle, so that its width is `aspect` times its height."""
+    middle, extent = (low + high) / 2, high - low
+    half = max(extent[0], aspect * extent[1]) / 2 * np.array([1.0, 1 / aspect])
+    return middle - half, middle + half
 
 
 def _panel(figure: Figure, left: float, height: float, low: Floats, high: Floats) -> Axes:
