@@ -46,9 +46,18 @@ REFUSED = {
         CRAZYFLIE.format(inertia=[1.4e-5, 1.4e-5, 3.5e-5], rotor_thrust=[0.0, 0.15], more=""),
         "inertia: no body has [1.4e-05, 1.4e-05, 3.5e-05]: the largest moment exceeds the sum of the other two",
     ),
-    "a misspelt key beside a base": ('base = "kite.toml"\nmas = 1.0', "mas: there is no such key (did you mean mass?); available: name, mass,"),
-    "a misspelt key alone": ("mas = 1.0", "is neither a race (it has a track), a track (gates) nor a quadrotor (mass); there is no key mas"),
-    "a base that is not there": ('base = "hummingbrid"\nmas = 1.0', "base: there is no race, track or quadrotor named 'hummingbrid' (did you mean"),
+    "a misspelt key beside a base": (
+        'base = "kite.toml"\nmas = 1.0',
+        "mas: there is no such key (did you mean mass?); available: name, mass,",
+    ),
+    "a misspelt key alone": (
+        "mas = 1.0",
+        "is neither a race (it has a track), a track (gates) nor a quadrotor (mass); there is no key mas",
+    ),
+    "a base that is not there": (
+        'base = "hummingbrid"\nmas = 1.0',
+        "base: there is no race, track or quadrotor named 'hummingbrid' (did you mean",
+    ),
 }
 
 
@@ -88,7 +97,7 @@ NOTED = {
         ("closest points", Level.NOTE, "gate 1 and gate 2; coordinates are in metres, not in degrees"),
     ),
     "gates within reach of one place": (
-        'track = { start = [-1.5, 0.75, 0.05], gates = [[0.5, 0.25, 0.7], [1.05, 0.75, 1.2], [-1.0, -0.25, 0.7], [0.0, -0.75, 1.2]] }\n'
+        "track = { start = [-1.5, 0.75, 0.05], gates = [[0.5, 0.25, 0.7], [1.05, 0.75, 1.2], [-1.0, -0.25, 0.7], [0.0, -0.75, 1.2]] }\n"
         'vehicle = "hummingbird"',
         ("gates are close", Level.WARNING, "from gate 1 to gate 2, where 1.3 m count"),
     ),
