@@ -9,6 +9,7 @@ from hotlap.files.descriptions import load_quadrotor
 from hotlap.planning.finding import Level
 from hotlap.planning.plan_feasibility import describe_flown, rooms
 from hotlap.race.gate import Gate, PassingDirection
+from hotlap.race.obstacles import Pole
 from hotlap.race.race import GateRule, JudgeSettings, PlanningSettings, Race
 from hotlap.race.track import Track
 from hotlap.reference.reference import Reference
@@ -26,9 +27,9 @@ def straight(gates, rates=0.0):
     return Reference(position, attitude, velocity, turning, np.full(rows, 9.81), rotors, times, duration=float(gates))
 
 
-def make_race(*gates, judge=None, **planning):
+def make_race(*gates, judge=None, poles=(), **planning):
     settings = {} if judge is None else {"judge": judge}
-    track = Track(name="hall", start=(0.0, 0.0, 1.0), gates=gates)
+    track = Track(name="hall", start=(0.0, 0.0, 1.0), gates=gates, poles=poles)
     return Race(name="hall", track=track, vehicle=load_quadrotor("split-s-racer"), planning=PlanningSettings(**planning), **settings)
 
 
@@ -99,3 +100,10 @@ def test_a_reference_is_said_to_be_flown_in_place_of_a_plan():
 def test_what_a_reference_asks_for_beyond_the_controller_is_a_warning():
     found = findings(make_race(gate(2.0)), file="mine.csv", rates=20.0)["reference asks"]
     assert found.level is Level.WARNING
+
+
+def test_what_stands_in_the_way_of_a_reference_is_a_warning():
+    near, far = (Pole(position=(3.0, y), radius=0.05) for y in (0.1, 3.0))
+    found = findings(make_race(gate(2.0), gate(4.0), poles=(far, near)), file="mine.csv")["touches"]
+    assert (found.value, found.level) == ("pole 2", Level.WARNING)
+    assert "touches" not in findings(make_race(gate(2.0), gate(4.0), poles=(far,)), file="mine.csv")

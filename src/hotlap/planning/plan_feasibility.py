@@ -12,11 +12,13 @@ from hotlap.race.flight_performance import command_lag
 from hotlap.race.gate import Gate
 from hotlap.race.gate_plane import plane_of
 from hotlap.race.race import GateRule, PlanDynamics, Race
+from hotlap.reference.encounters import EncounterKind, find_encounters
 from hotlap.reference.reference import Reference
 
 SIDEWAYS = 0.5  # cosine of velocity and normal below which a gate is flown along rather than through
 ALIKE = 0.02  # difference of two shares of the thrust that says nothing
 SUDDEN = 1.0  # rad/s at the first moment that a drone at rest does not have
+FINE = 0.002  # s between the positions at which one looks for what is touched
 TIGHT = 0.05  # m: noise of the start alone is as large
 
 Floats = NDArray[np.float64]
@@ -41,6 +43,7 @@ def describe_flown(race: Race, reference: Reference, file: str = "") -> tuple[Fi
         _first_moment(race, wanted, file),
         *_least_room(race, reference),
         *_directions(race, reference),
+        *_touched(race, reference),
     )
 
 
@@ -126,6 +129,18 @@ def _directions(race: Race, reference: Reference) -> list[Finding]:
         Finding(f"passed {how}", _count(some), f"{', '.join(some)}{counted}", Level.NOTE)
         for how, some in (("backwards", backwards), ("sideways", sideways))
         if some
+    ]
+
+
+def _touched(race: Race, reference: Reference) -> list[Finding]:
+    """What the vehicle would touch on the way, if it made no error."""
+    times = np.arange(0.0, reference.duration, FINE)
+    met = find_encounters(times, reference.position_at(times), race.track, race.vehicle.outer_radius, race.judge.distance)
+    solid = {EncounterKind.FRAME, EncounterKind.OBSTACLE, EncounterKind.BOX, EncounterKind.CEILING}
+    return [
+        Finding("touches", one.name, f"after {one.time:.2f} s, by {-one.distance:.2f} m: a flight without any error crashes", Level.WARNING)
+        for one in met
+        if one.kind in solid
     ]
 
 
