@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -47,8 +49,7 @@ CLOSEST = JudgeSettings(rule=GateRule.CLOSEST)
 
 def test_the_room_of_a_point_is_what_counts_less_how_far_it_is_passed():
     race = make_race(gate(2.0, 0.3), gate(4.0, -1.4))
-    places = np.array([[2.0, 0.0, 1.0], [4.0, 0.0, 1.0]])
-    assert rooms(race, places) == pytest.approx([1.0, -0.1])
+    assert rooms(race, straight(2)) == pytest.approx([1.0, -0.1])
     found = findings(race)["room at the gates"]
     assert (found.value, found.level) == ("0.10 m", Level.WARNING)
     assert "gate 2" in found.remark
@@ -57,10 +58,17 @@ def test_the_room_of_a_point_is_what_counts_less_how_far_it_is_passed():
 def test_the_room_of_an_opening_is_that_of_the_whole_vehicle():
     race = make_race(gate(2.0, 0.1, yaw=0.0, side=1.0), gate(4.0, radius=0.4), gate(6.0, 0.2, yaw=0.0))
     size = race.vehicle.outer_radius
-    places = np.array([[2.0, 0.0, 1.0], [4.0, 0.0, 1.0], [6.0, 0.0, 1.0]])
-    assert rooms(race, places) == pytest.approx([0.5 - 0.1 - size, 0.4, 1.1])
+    assert rooms(race, straight(3)) == pytest.approx([0.5 - 0.1 - size, 0.4, 1.1])
     by_distance = race.model_copy(update={"judge": CLOSEST})
-    assert rooms(by_distance, places) == pytest.approx([1.2, 1.3, 1.1])
+    assert rooms(by_distance, straight(3)) == pytest.approx([1.2, 1.3, 1.1])
+
+
+def test_a_gate_that_is_hardly_pierced_before_the_way_back_leaves_that_little_room():
+    race, there = make_race(gate(2.0, yaw=0.0, side=1.0)), straight(1)
+    position = there.position.copy()
+    position[:, 0] = 2.04 - np.abs(position[:, 0] - 2.04)
+    assert rooms(race, replace(there, position=position)) == pytest.approx([0.04])
+    assert rooms(race, there)[0] > 0.1
 
 
 def test_little_room_is_noted():

@@ -82,7 +82,7 @@ def describe_flights(scenario: Scenario, world: World, flights: int, slower: Cal
     doom = find_doom(scenario, world, tried)
     if doom is not None:
         yield Finding("random weights", f"0 of {WEIGHTS}", f"pass gate 1: {doom.words}", Level.WARNING)
-    room = float(rooms(scenario.race, scenario.reference.position_at(scenario.reference.gate_times)).min())
+    room = float(rooms(scenario.race, scenario.reference).min())
     yield _error(best, room)
     yield _difficulty(tried, best, hopeless=doom is not None and doom.crashed)
     if best.share < EASY and room > 0 and not (doom and doom.at_once):
