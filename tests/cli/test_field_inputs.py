@@ -71,6 +71,11 @@ def test_what_cannot_be_meant_is_refused_in_one_line_that_says_what_would_be(hot
     assert ran.err.startswith(f"hotlap: mine.toml: {reason}")
 
 
+LEVEL_0 = """vehicle = "hummingbird"
+[track]
+start = [-1.5, 0.75, 0.05]
+gates = [[0.5, 0.25, 0.7], [1.05, 0.75, 1.2], [-1.0, -0.25, 0.7], [0.0, -0.75, 1.2]]
+"""
 NOTED = {
     "heights of a frame whose z points down": (
         "start = [0.0, 0.0, -1.0]\ngates = [[3.0, 0.0, -2.0], [6.0, 0.0, -1.5]]",
@@ -97,8 +102,7 @@ NOTED = {
         ("closest points", Level.NOTE, "gate 1 and gate 2; coordinates are in metres, not in degrees"),
     ),
     "gates within reach of one place": (
-        "track = { start = [-1.5, 0.75, 0.05], gates = [[0.5, 0.25, 0.7], [1.05, 0.75, 1.2], [-1.0, -0.25, 0.7], [0.0, -0.75, 1.2]] }\n"
-        'vehicle = "hummingbird"',
+        LEVEL_0,
         ("gates are close", Level.WARNING, "from gate 1 to gate 2, where 1.3 m count"),
     ),
     "a judge that counts less than the plan keeps to": (
