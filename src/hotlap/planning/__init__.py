@@ -5,7 +5,9 @@
 Multi-phase direct multiple shooting: a free duration and a fixed number of RK4 intervals for each waypoint, which is
 imposed at the end of its phase. That solves the same problem as complementary progress constraints
 (Foehn, Romero, Scaramuzza, "Time-optimal planning for quadrotor waypoint flight", Science Robotics 2021), whose
-order of waypoints is fixed as well, in seconds. CasADi is loaded only when something is planned.
+order of waypoints is fixed as well, in seconds. The quadrotor is either the ideal one of that work (`planning.dynamics = "ideal"`:
+free body rates at the start, thrust at once, linear drag) or the vehicle with motors, rate loop and all drags (`full_stage`).
+CasADi is loaded only when something is planned.
 """
 
 from __future__ import annotations

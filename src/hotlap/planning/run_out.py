@@ -34,10 +34,8 @@ def extend(reference: Reference, gravity: float, drag: float, acceleration: Floa
         acceleration: shape (3,) [m/s^2] (world) at the last planned row, of a model with other drags. None: by thrust, gravity and drag.
     """
     rows, count = reference.planned_rows, round(RUN_OUT / reference.period)
-    if acceleration is None:
-        acceleration = reference.thrust[rows - 1] * thrust_axis(reference.attitude[rows - 1]) - drag * reference.velocity[rows - 1]
-        acceleration[2] -= gravity
-    position, velocity, accelerations = _slow_down(reference, acceleration, count)
+    first = _last_acceleration(reference, gravity, drag) if acceleration is None else acceleration
+    position, velocity, accelerations = _slow_down(reference, first, count)
     thrusts = accelerations + np.array([0.0, 0.0, gravity])
     attitude, rates = _attitudes(thrusts, reference.attitude[rows - 1], reference.period)
     return dataclasses.replace(
@@ -49,6 +47,14 @@ def extend(reference: Reference, gravity: float, drag: float, acceleration: Floa
         thrust=np.append(reference.thrust[:rows], np.linalg.norm(thrusts, axis=1)),
         rotor_thrusts=np.vstack([reference.rotor_thrusts[:rows], np.full((count, 4), np.nan)]),
     )
+
+
+def _last_acceleration(reference: Reference, gravity: float, drag: float) -> Floats:
+    """Acceleration at the last planned row by thrust, gravity and linear drag, shape (3,) [m/s^2] (world)."""
+    last = reference.planned_rows - 1
+    acceleration = reference.thrust[last] * thrust_axis(reference.attitude[last]) - drag * reference.velocity[last]
+    acceleration[2] -= gravity
+    return acceleration
 
 
 def _slow_down(reference: Reference, first: Floats, count: int) -> tuple[Floats, Floats, Floats]:
