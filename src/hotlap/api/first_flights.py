@@ -55,6 +55,12 @@ class Tried:
         return len(self.flown.scores)
 
     @property
+    def dead(self) -> int:
+        """How many crashed before any controller has done anything."""
+        flights = self.flown.flights
+        return int(((flights.end == End.CRASHED) & (flights.end_time <= DEAD)).sum())
+
+    @property
     def share(self) -> float:
         """Of complete flights [-]."""
         return self.flown.complete.rate
@@ -83,6 +89,9 @@ def describe_flights(scenario: Scenario, world: World, flights: int, slower: Cal
     """
     tried = fly_untuned(scenario, world, flights)
     yield from (one.finding for one in tried)
+    if tried[0].dead:
+        remark = f"over within {DEAD:g} s, whatever the weights: look at the start and its noise"
+        yield Finding("dead at once", f"{tried[0].dead} of {count(flights, 'flight')}", remark, Level.WARNING)
     best = max(tried, key=lambda one: (one.share, one.passed))
     doom = find_doom(scenario, world, tried)
     if doom is not None:
@@ -143,9 +152,10 @@ def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
         world: where; it is ready to fly.
         weights: shape (S, K), that the search begins with.
     """
-    doom = find_doom(scenario, world, [Tried("first guess", weights, _fly(scenario, world, weights, FEW))])
+    tried = Tried("first guess", weights, _fly(scenario, world, weights, FEW))
+    doom = find_doom(scenario, world, [tried])
     if doom is None:
-        return ""
+        return f"{tried.dead} of {FEW} flights are over within {DEAD:g} s, whatever the weights" if tried.dead else ""
     hopeless = "no weights help as it stands: " if doom.crashed else ""
     return f"{hopeless}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
 
