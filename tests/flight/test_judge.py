@@ -11,6 +11,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from hotlap.core.records import End
 from hotlap.flight.judge import Gates, Verdicts, gates_of, judge, new_verdicts
 from hotlap.race.race import GateRule, JudgeSettings
+from hotlap.race.track import Gate, Track
+from hotlap.reference.reference import PERIOD, Reference
 
 from .kept import kept
 
@@ -31,13 +33,26 @@ def fly(
     floor: float | None = None, times: np.ndarray = TIMES, gates: np.ndarray = GATES,
 ) -> Verdicts:  # fmt: skip
     """Judge a flight along path(t), which is (x, y, z), period by period until it is over."""
-    g, v = gates_of(settings or JudgeSettings(), gates, times, floor), new_verdicts(2, len(gates))
+    track = Track(name="line", start=(0.0, 0.0, 0.0), gates=tuple(Gate(position=tuple(gate)) for gate in gates.tolist()), floor=floor)
+    g, v = gates_of(settings or JudgeSettings(), track, 0.0, straight(times, last)), new_verdicts(2, len(gates))
     for k in range(round(last / period)):
         start, now = period * k, period * (k + 1)
         reference = (SPEED * now, 0.0, 0.0)
         if judge_one(v, g, start, place(path, start), now, place(path, now), reference, float(rates(now))):
             return v
     return v
+
+
+def straight(times: np.ndarray, last: float) -> Reference:
+    """The reference: along x."""
+    position = np.outer(np.arange(0.0, last, PERIOD) * SPEED, [1.0, 0.0, 0.0])
+    return at_rest(position, times)
+
+
+def at_rest(position: np.ndarray, times: np.ndarray) -> Reference:
+    """A reference of which the judge reads places and times alone."""
+    zeros, row = np.zeros_like(position), np.zeros(len(position))
+    return Reference(position, np.zeros((len(position), 4)), zeros, zeros, row, np.zeros((len(position), 4)), times, float(times[-1]))
 
 
 def place(path: Any, time: float) -> tuple[float, float, float]:

@@ -133,7 +133,7 @@ def _crowded(race: Race) -> list[Finding]:
     if distance <= gap / 2:
         return []
     first, second = sorted((names[i], names[j]), key=lambda name: int(name.split()[1]))
-    remark = f"from {first} to {second}, where {distance:g} m count: one place passes both; lower judge.distance, or give openings"
+    remark = f"from {first} to {second}, where {distance:g} m count: too near to be told apart; lower judge.distance, or give openings"
     return [Finding("gates are close", f"{gap:.2f} m", remark, Level.WARNING)]
 
 
