@@ -1,9 +1,9 @@
-"""Plans on random tracks with openings, directions and obstacles, tested by geometry of its own: python benchmarks/random_openings.py --help
+"""Plans on random tracks with openings and obstacles, tested by geometry of its own: python benchmarks/random_openings.py --help
 
-Gates of all shapes, some of them flipped, turned sideways or tilted, tunnels, frames, and up to ten obstacles near the way. A track is planned
-or refused with a reason; what is planned passes every gate in its turn and direction, crosses none the wrong way and touches nothing. The test
-shares no code with the planner: it samples every millisecond, asks rays whether a point lies within a polygon, and takes frames for clouds of
-points. Results are kept in `--out`; the same command continues where it was interrupted.
+Gates of all shapes, some of them flipped, turned sideways or tilted, tunnels, frames, and up to ten obstacles near the way. A track is
+planned or refused with a reason; what is planned passes every gate in its turn and direction, crosses none the wrong way and touches
+nothing. The test shares no code with the planner: it samples every millisecond, asks rays whether a point lies within a polygon, and takes
+frames for clouds of points. Results are kept in `--out`; the same command continues where it was interrupted.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from hotlap.core.errors import PlanningError
 from hotlap.files.descriptions import load_race
@@ -224,7 +224,7 @@ def _fits(gate: Gate, places: Floats, size: float) -> NDArray[np.bool_]:
     with np.errstate(divide="ignore", invalid="ignore"):
         ahead = one[0] + (y - one[1]) / (other[1] - one[1]) * (other[0] - one[0]) > x
     inside = (across & ahead).sum(axis=1) % 2 == 1
-    return inside & (cKDTree(_outline(gate)).query(places)[0] >= size)
+    return inside & (KDTree(_outline(gate)).query(places)[0] >= size)
 
 
 def _frame_touched(gate: Gate, points: Floats, radius: float) -> bool:
@@ -238,11 +238,11 @@ def _frame_touched(gate: Gate, points: Floats, radius: float) -> bool:
         return False
     ticks = np.arange(-reach, reach + CLOUD, CLOUD)
     grid = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
-    distances = cKDTree(_outline(gate)).query(grid)[0]
+    distances = KDTree(_outline(gate)).query(grid)[0]
     ring = grid[~_fits(gate, grid, 0.0) & (distances <= gate.frame)]
     layers = np.arange(-gate.depth / 2, gate.depth / 2 + CLOUD / 2, CLOUD)
     cloud = np.vstack([np.array(gate.position) + x * normal + ring[:, :1] * left + ring[:, 1:] * up for x in layers])
-    return bool(cKDTree(cloud).query(near)[0].min() < radius - NEAR)
+    return bool(KDTree(cloud).query(near)[0].min() < radius - NEAR)
 
 
 def _touched(track: Track, points: Floats, radius: float) -> list[str]:
@@ -278,10 +278,10 @@ def table(outcomes: Sequence[Outcome]) -> str:
     """What became of all tracks, and each that was refused or is faulty."""
     planned = [outcome for outcome in outcomes if outcome.duration is not None]
     times = np.array([outcome.cpu_time for outcome in planned] or [math.nan])
+    counts = len(outcomes), len(planned), len(outcomes) - len(planned), sum(bool(one.faults) for one in outcomes)
     lines = [
         f"{'tracks':>8} {'planned':>8} {'refused':>8} {'faulty':>8} {'CPU s median':>13} {'90 %':>6} {'most':>6}",
-        f"{len(outcomes):8} {len(planned):8} {len(outcomes) - len(planned):8} {sum(bool(one.faults) for one in outcomes):8} "
-        f"{np.median(times):13.2f} {np.quantile(times, 0.9):6.2f} {times.max():6.2f}",
+        "{:8} {:8} {:8} {:8} {:13.2f} {:6.2f} {:6.2f}".format(*counts, np.median(times), np.quantile(times, 0.9), times.max()),
     ]
     lines += [f"  {one.seed}: {one.refused}" for one in outcomes if one.refused]
     lines += [f"  {one.seed}: {'; '.join(one.faults)}" for one in outcomes if one.faults]

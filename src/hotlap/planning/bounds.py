@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hotlap.planning.problem import Floats, Problem
 
 
-def bound_positions(problem: Problem, intervals: Floats, low: Floats, high: Floats) -> None:
+def bound_positions(problem: Problem, intervals: NDArray[np.intp], low: Floats, high: Floats) -> None:
     """Set the bounds of positions and of the velocity at start and end.
 
     The vehicle keeps clear of ceiling and box by its margin; the floor is for its centre, since a drone may start on it. Where the start or

@@ -9,6 +9,7 @@ import numpy as np
 
 from hotlap.core.errors import PlanningError
 from hotlap.planning.detours import along, find_way
+from hotlap.planning.diagnosis import describe
 from hotlap.planning.guess import guessed_speed
 from hotlap.planning.ipopt import Solution
 from hotlap.planning.linear_rows import LinearRows
@@ -16,6 +17,7 @@ from hotlap.planning.problem import Trajectory
 from hotlap.planning.surroundings import DEEP, Fault, Path, Surroundings
 
 ROUNDS = 6
+CLOSED = 1e-3  # largest gap of the equations of motion in a trajectory that counts as one
 
 Solve = Callable[[Trajectory, LinearRows], Solution]
 
@@ -35,15 +37,22 @@ class Clear:
     faults: list[Fault]
 
     @property
-    def touched(self) -> list[Fault]:
-        """Where the vehicle touches something, or crosses an opening against its direction."""
-        return [fault for fault in self.faults if fault.distance < self.surroundings.kept[fault.kept].least]
+    def clear(self) -> bool:
+        """Whether there is a solution that touches nothing and crosses no opening against its direction."""
+        return self.solution.converged and not any(self._hits(fault) for fault in self.faults)
 
     def error(self) -> PlanningError:
-        """The refusal of a plan that touches something."""
-        worst = min(self.touched, key=lambda fault: fault.distance)
-        solid, problem = self.surroundings.kept[worst.kept].solid, self.surroundings.problem
-        return problem.error(worst.phase, f"found only a way {'through' if solid.opening else 'that touches'} {solid.name}")
+        """Why it is not clear."""
+        problem, hits = self.surroundings.problem, [fault for fault in self.faults if self._hits(fault)]
+        if not hits or (not self.solution.converged and self.solution.gaps.max() > CLOSED):
+            return describe(problem, self.solution)
+        worst = min(hits, key=lambda fault: fault.distance)
+        solid = self.surroundings.kept[worst.kept].solid
+        hit = f"crosses {solid.name} the wrong way" if solid.opening else f"touches {solid.name}"
+        return problem.error(worst.phase, f"no way to it was found; the best one {hit}")
+
+    def _hits(self, fault: Fault) -> bool:
+        return fault.touched or self.surroundings.kept[fault.kept].solid.opening
 
 
 def search_clear(surroundings: Surroundings, solve: Solve, guess: Trajectory, *, led: bool = False) -> Clear:
@@ -59,7 +68,7 @@ def search_clear(surroundings: Surroundings, solve: Solve, guess: Trajectory, *,
     solution, faults = solve(guess, rows), list[Fault]()
     for _ in range(ROUNDS):
         if not solution.converged:
-            return Clear(solution, surroundings, [])
+            return Clear(solution, surroundings, surroundings.faults(Path.of(solution.trajectory)))
         path = Path.of(solution.trajectory)
         surroundings = surroundings.with_plugs(path)
         faults = surroundings.faults(path)
@@ -76,11 +85,7 @@ def _deep(surroundings: Surroundings, fault: Fault) -> bool:
 
 
 def led_around(surroundings: Surroundings, trajectory: Trajectory, faults: list[Fault]) -> Trajectory:
-    """The trajectory, where it runs through something led around it along straight lines.
-
-    Raises:
-        PlanningError: there is no way around.
-    """
+    """The trajectory, where it runs through something led around it along straight lines; as it is where there is no way around."""
     problem, states, durations = surroundings.problem, trajectory.states.copy(), trajectory.durations.copy()
     ends, speed = trajectory.ends, guessed_speed(surroundings.problem)
     for phase in sorted({fault.phase for fault in faults if _deep(surroundings, fault)}):
@@ -89,9 +94,9 @@ def led_around(surroundings: Surroundings, trajectory: Trajectory, faults: list[
             if surroundings.lacks(states[node : node + 1, :3])[0][0] > 0:
                 states[node, :3] = problem.points[place]
         first, last = int(ends[phase] - trajectory.intervals[phase]), int(ends[phase])
-        way, blocker = find_way(surroundings, states[first, :3], states[last, :3])
-        if blocker is not None:
-            raise problem.error(phase, f"no way to it around {surroundings.kept[blocker].solid.name} was found")
+        way = find_way(surroundings, states[first, :3], states[last, :3])
+        if way is None:
+            continue
         places, directions = along(way, np.linspace(0, 1, last - first + 1))
         states[first + 1 : last, :3] = places[1:-1]
         states[first + 1 : last, 3:6] = speed * directions[1:-1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -26,8 +27,8 @@ class Space(Protocol):
         ...
 
 
-def find_way(space: Space, start: Floats, end: Floats) -> tuple[Floats, int | None]:
-    """The shortest way found, and what blocks it.
+def find_way(space: Space, start: Floats, end: Floats) -> Floats | None:
+    """The shortest way found: corners (k, 3) with start and end; None where there is none.
 
     Only what blocks a line is looked at, and only lines of the shortest way are tested, until one is free.
 
@@ -35,27 +36,25 @@ def find_way(space: Space, start: Floats, end: Floats) -> tuple[Floats, int | No
         space: what the way keeps clear of.
         start: shape (3,) [m] (world).
         end: likewise.
-
-    Returns:
-        Corners (k, 3) with start and end, and None; or the index of the solid that blocks every way.
     """
-    places, known, blocked = np.vstack([start, end]), set(), set()
-    solid: int | None = None
+    places, known, blocked = np.vstack([start, end]), set[int](), set[tuple[int, int]]()
     for _ in range(ATTEMPTS):
         way = _shortest(places, blocked)
         if way is None:
-            return places[:2], solid
-        hits = [(one, other, _first_hit(space, places[one], places[other])) for one, other in zip(way[:-1], way[1:], strict=True)]
-        hits = [hit for hit in hits if hit[2] is not None]
-        if not hits:
-            return places[way], None
-        for one, other, found in hits:
+            return None
+        free = True
+        for one, other in pairwise(way):
+            solid = _worst(space, places[one], places[other])
+            if solid is None:
+                continue
+            free = False
             blocked.add((min(one, other), max(one, other)))
-            solid = found
-            if found is not None and found not in known:
-                known.add(found)
-                places = np.vstack([places, space.beside(found, np.array([start[2], end[2]]))])
-    return places[:2], solid
+            if solid not in known:
+                known.add(solid)
+                places = np.vstack([places, space.beside(solid, np.array([start[2], end[2]]))])
+        if free:
+            return places[way]
+    return None
 
 
 def along(way: Floats, shares: Floats) -> tuple[Floats, Floats]:
@@ -68,7 +67,8 @@ def along(way: Floats, shares: Floats) -> tuple[Floats, Floats]:
     return places, steps[pieces] / np.maximum(lengths[pieces], 1e-9)[:, None]
 
 
-def _first_hit(space: Space, start: Floats, end: Floats) -> int | None:
+def _worst(space: Space, start: Floats, end: Floats) -> int | None:
+    """The solid that a straight line is nearest to, where that is too near."""
     count = int(np.ceil(np.linalg.norm(end - start) / SPACING)) + 1
     points = start + np.linspace(0, 1, count + 1)[:, None] * (end - start)
     lacks, solids = space.lacks(points)

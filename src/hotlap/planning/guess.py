@@ -6,6 +6,7 @@ import numpy as np
 
 from hotlap.planning.problem import Floats, Problem
 
+Pair = Floats | tuple[Floats, Floats]
 SHORTEST_GUESS = 0.1  # s, of a phase from gate to gate
 SLOWER = 1.2  # curves are longer than straight lines
 
@@ -36,7 +37,7 @@ def along_normals(problem: Problem) -> tuple[Floats, Floats, Floats]:
     return durations, np.vstack(positions), np.vstack(velocities)
 
 
-def hermite(shares: Floats, duration: float | Floats, points: Floats, velocities: Floats) -> tuple[Floats, Floats]:
+def hermite(shares: Floats, duration: float | Floats, points: Pair, velocities: Pair) -> tuple[Floats, Floats]:
     """Cubic curves between two points with given velocities: positions and velocities at shares of their time.
 
     Args:

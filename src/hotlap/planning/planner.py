@@ -19,6 +19,7 @@ from hotlap.planning.surroundings import Surroundings
 from hotlap.planning.warm_start import around_point_mass, hover_along
 
 SLOWER, LATER = 1.06, 0.3  # a plan may take this times the point mass's duration, and this many seconds more
+MOST_FAILURES = 2  # searches among obstacles that may fail before the next is not tried
 AGREEMENT = 0.01  # relative difference of two plans that confirm each other
 
 
@@ -78,21 +79,21 @@ def _search_course(problem: Problem) -> Solution:
     surroundings = Surroundings.of(problem)
     surroundings.refuse_blocked()
     rough = search_clear(surroundings, partial(plan_point_mass, problem), guess_point_mass(coarse(problem)))
-    mass, found, touching = rough.solution, list[Solution](), list[Clear]()
+    mass, found, failed = rough.solution, list[Solution](), list[Clear]()
     for guess, barrier, iterations in _guesses(problem, mass):
         solve = partial(_solve, problem, barrier=barrier, iterations=iterations)
-        result = search_clear(rough.surroundings.without_extra(), solve, guess, led=not found and not touching)
-        if result.touched:
-            touching.append(result)
-            continue
-        found.append(result.solution)
-        if mass.converged and (_accepted(found[-1], mass) or _confirmed(found)):
-            return _fastest(found)
-    if not mass.converged and any(solution.converged for solution in found):
+        result = search_clear(rough.surroundings.without_extra(), solve, guess, led=not found and not failed)
+        if result.clear:
+            found.append(result.solution)
+            if mass.converged and (_accepted(found[-1], mass) or _confirmed(found)):
+                return _fastest(found)
+        else:
+            failed.append(result)
+            if len(failed) == MOST_FAILURES:
+                break
+    if found and not mass.converged:
         return _fastest(found)
-    if touching and not any(solution.converged for solution in found):
-        raise touching[0].error()
-    raise _failure(problem, mass, found)
+    raise _failure(problem, mass, found) if found else failed[0].error()
 
 
 def _solve(problem: Problem, guess: Trajectory, rows: LinearRows, *, barrier: float, iterations: int) -> Solution:

@@ -17,7 +17,7 @@ from hotlap.planning.guess import hermite
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.problem import Floats, Problem, Trajectory
 from hotlap.race.gate_plane import GatePlane
-from hotlap.race.solids import Solid, gate_planes, plug, same_place, solids_of
+from hotlap.race.solids import Solid, floor_at, gate_planes, plug, same_place, solids_of, walls_of
 from hotlap.reference.encounters import find_crossings
 
 SAMPLES = 24  # of an interval
@@ -53,7 +53,7 @@ class Kept:
         places = [(problem.start, 0.0, None), *((target.position, least, target.plane) for target in problem.targets)]
         for place, smallest, own in places:
             distance = max(float(solid.measure(place[None])[0][0]), smallest)
-            if same_place(own, solid.plane):
+            if same_place(own, solid.plane) and not solid.opening:
                 distance = smallest
             if distance < margin:
                 anchors.append((place, distance))
@@ -115,12 +115,14 @@ class Fault:
         phase: on the way to which target.
         distance: [m] of the vehicle's centre from it.
         lack: [m] by which that is too little.
+        touched: whether the vehicle touches it.
     """
 
     kept: int
     phase: int
     distance: float
     lack: float
+    touched: bool
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,9 @@ class Surroundings:
             insets = [target.inset for target in problem.targets if same_place(target.plane, solid.plane)]
             margin = max(min([problem.margin, *insets]), problem.radius)
             kept.append(Kept.of(problem, solid, margin, problem.radius))
+        kept += [Kept.of(problem, wall, problem.margin, problem.radius) for wall in walls_of(problem.course)]
+        if np.isfinite(problem.floor):
+            kept.append(Kept.of(problem, floor_at(problem.floor), SLACK, 0.0))
         return cls(problem, tuple(kept))
 
     def with_plugs(self, path: Path) -> Surroundings:
@@ -173,7 +178,8 @@ class Surroundings:
             for phase in np.unique(path.owners[path.intervals[lacks > kept.tolerance]]).tolist():
                 rows = np.flatnonzero(path.owners[path.intervals] == phase)
                 worst = rows[lacks[rows].argmax()]
-                found.append(Fault(k, phase, float(distances[worst]), float(lacks[worst])))
+                distance, lack = float(distances[worst]), float(lacks[worst])
+                found.append(Fault(k, phase, distance, lack, distance < min(kept.least, distance + lack)))
         return found
 
     def with_extra(self, faults: list[Fault]) -> Surroundings:
@@ -232,7 +238,7 @@ class Surroundings:
         problem = self.problem
         places = [(None, "the start", problem.start, 0.0)]
         places += [(target.waypoint, "its middle", target.position, target.radius) for target in problem.targets if target.plane is None]
-        for kept in self.kept:
+        for kept in (kept for kept in self.kept if not kept.solid.wall):
             for where, what, place, freedom in places:
                 distance = float(kept.solid.measure(place[None])[0][0])
                 if distance + freedom < kept.least:

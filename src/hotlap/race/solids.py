@@ -83,6 +83,32 @@ class Ball:
 
 
 @dataclass(frozen=True)
+class Wall:
+    """Everything beyond a plane.
+
+    Attributes:
+        normal: shape (3,) (world) unit vector away from the wall.
+        place: [m] normal . point of its plane.
+    """
+
+    normal: Floats
+    place: float
+
+    @property
+    def ball(self) -> tuple[Floats, float]:
+        """As of every body."""
+        return np.zeros(3), np.inf
+
+    def measure(self, points: Floats) -> tuple[Floats, Floats]:
+        """As of every body."""
+        return points @ self.normal - self.place, np.tile(self.normal, (len(points), 1))
+
+    def around(self, distance: float, heights: Floats) -> Floats:  # noqa: ARG002  there is no way around
+        """As of every body."""
+        return np.empty((0, 3))
+
+
+@dataclass(frozen=True)
 class Ring:
     """The section between two circles; a disc where the inner radius is zero.
 
@@ -216,6 +242,11 @@ class Solid:
     plane: GatePlane | None = None
     opening: bool = False
 
+    @property
+    def wall(self) -> bool:
+        """Whether it bounds the course: start and gates may stand at it."""
+        return isinstance(self.bodies[0], Wall)
+
     @cached_property
     def ball(self) -> tuple[Floats, float]:
         """Centre (3,) [m] (world) and radius [m] of a ball that it lies within."""
@@ -265,6 +296,22 @@ def solids_of(track: Track, free_radius: float) -> tuple[Solid, ...]:
         if plane.frame > 0 and not any(same_place(plane, known.plane) for known in solids):
             solids.append(Solid(f"the frame of {name}", _frame(plane), plane))
     return tuple(solids)
+
+
+def walls_of(track: Track) -> tuple[Solid, ...]:
+    """Box and ceiling of a track."""
+    walls = []
+    if track.ceiling is not None:
+        walls.append(Solid("the ceiling", (Wall(np.array([0.0, 0.0, -1.0]), -track.ceiling),)))
+    if track.box is not None:
+        for axis, low, high in zip(np.eye(3), track.box.low, track.box.high, strict=True):
+            walls += [Solid("the box", (Wall(axis, low),)), Solid("the box", (Wall(-axis, -high),))]
+    return tuple(walls)
+
+
+def floor_at(height: float) -> Solid:
+    """The floor at a height [m] (world)."""
+    return Solid("the floor", (Wall(np.array([0.0, 0.0, 1.0]), height),))
 
 
 def gate_planes(track: Track, free_radius: float) -> list[tuple[str, GatePlane]]:

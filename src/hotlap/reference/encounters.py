@@ -46,8 +46,8 @@ class Encounter:
         kind: what happens.
         name: of what is met: "gate 3", "the frame of gate 4", "pole 2", "the box", "the floor", "the ceiling".
         time: [s] when; of a gate that is missed: of the passage before it; of what is touched: when it is touched most deeply.
-        distance: [m] signed: of a gate's rim from the centre of the vehicle where it crosses the plane, negative inside (of a ball or point:
-            from its surface); of what is touched: how deep the vehicle reaches into it, negative. NaN for a gate that is missed.
+        distance: [m] signed: of a gate's rim from the centre of the vehicle where it crosses the plane, negative inside (of a
+            ball or point: from its surface); of what is touched: how deep the vehicle reaches into it, negative. NaN for a missed gate.
     """
 
     kind: EncounterKind
