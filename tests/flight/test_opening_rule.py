@@ -141,7 +141,10 @@ def test_a_gate_met_again_in_the_next_lap_is_another_passage():
 
 def test_gates_count_in_order():
     """The second gate first: it counts only when it is passed again after the first."""
-    there, again = ((0.0, 0, 0), (0.0, 3.0, 0), (3.0, 3.0, 0), (3.0, 0, 0), (5.0, 0, 0)), ((5.0, 3.0, 0), (0.0, 3.0, 0), (0.0, 0, 0), (9.0, 0, 0))
+    there, again = (
+        ((0.0, 0, 0), (0.0, 3.0, 0), (3.0, 3.0, 0), (3.0, 0, 0), (5.0, 0, 0)),
+        ((5.0, 3.0, 0), (0.0, 3.0, 0), (0.0, 0, 0), (9.0, 0, 0)),
+    )
     path, _ = corners(*there, *again, speed=8.0)
     track = Track(name="two", start=(0.0, 0.0, 0.0), gates=tuple(Gate(position=(x, 0, 0), yaw=0.0, radius=0.4) for x in (2.0, 4.0)))
     v = fly_track(track, [2.0, 2.4], path, window=(3.0, 3.0), crash=30.0)

@@ -50,4 +50,3 @@ def _why(cause: Cause, judge: JudgeSettings) -> str:
 def _name_of_gate(track: Track, index: int) -> str:
     """Name of a gate of the track, in any lap."""
     return next(point.name for point in track.route if point.key == f"gates[{index}]").removesuffix(" of lap 1")
-
