@@ -21,7 +21,7 @@ BLOCK = re.compile(r"^```(?P<language>toml|python|console)\n(?P<text>.*?)^```$",
 FILE = re.compile(r"# (\S+\.(?:toml|py))\n")
 COMMAND = re.compile(r"^\$ (.*)\n", re.MULTILINE)
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e-?\d+)?")
-VARYING = re.compile(r"[\u2800-\u28ff]|missed gate|crashed")  # dots of a map, and how flights ended
+VARYING = re.compile(r"[\u2800-\u28ff]|missed gate|crashed|hit the|touched|left the box")  # dots of a map, and how flights ended
 
 
 class CommandError(Exception):

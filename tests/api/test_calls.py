@@ -12,8 +12,10 @@ import pytest
 from matplotlib.figure import Figure
 
 import hotlap
-from cli.fake_hotlap import MODULES
+from cli.fake_hotlap import MODULES, Loud
+from hotlap.api import first_flights, tuned
 from hotlap.api.asked import command_line
+from hotlap.api.first_flights import Doom
 from hotlap.cli import main
 from hotlap.cli.output import finite
 from hotlap.core.errors import InputError, UnknownNameError
@@ -181,6 +183,28 @@ class Stopping:
 
     def stop(self, _):
         raise Stop
+
+
+class Listening(Stopping):
+    """The same, and keeps what it was told."""
+
+    def __init__(self):
+        self.notes = []
+
+    def note(self, text):
+        self.notes.append(text)
+
+
+def test_a_tuning_says_before_it_begins_what_no_weights_make_up_for(here, monkeypatch):
+    doomed, straight = Listening(), load_race(here / "straight.toml")
+    monkeypatch.setattr(tuned, "BuiltIn", Loud)
+    monkeypatch.setattr(first_flights, "find_doom", lambda *_: Doom(at_once=True, crashed=True, words="64 hit the floor before gate 1"))
+    tight = straight.model_copy(update={"judge": straight.judge.model_copy(update={"distance": 0.1})})
+    with pytest.raises(Stop):
+        hotlap.tune(tight, out="mine", progress=doomed)
+    loose, hopeless = doomed.notes
+    assert loose.startswith("note: the plan may pass a gate at 0.2 m, where 0.1 m count")
+    assert hopeless.startswith("note: no weights help as it stands: of 64 weights drawn at random none passes gate 1 (64 hit the floor")
 
 
 def test_what_is_interrupted_says_how_to_go_on(here):

@@ -68,8 +68,11 @@ def test_flights_that_are_over_at_once_are_beyond_all_weights_and_nothing_is_adv
     found = findings(Deadly(), slower=lambda _: make_scenario())
     assert (found["random weights"].level, found["difficulty"].value) == (Level.WARNING, "beyond all weights")
     assert "all within 0.1 s" in found["random weights"].remark
+    assert (found["dead at once"].value, found["dead at once"].level) == (f"{FLIGHTS} of {FLIGHTS} flights", Level.WARNING)
     assert not any(label.startswith("with") for label in found)
-    assert "within" not in findings(Deadly(after=0.4))["random weights"].remark
+    later = findings(Deadly(after=0.4))
+    assert "within" not in later["random weights"].remark
+    assert "dead at once" not in later
 
 
 def test_a_tuning_is_told_before_it_begins_where_no_weights_pass_the_first_gate():

@@ -63,7 +63,7 @@ def test_the_default_suite_is_a_hummingbird_with_45_ms_that_its_controller_does_
     assert race.vehicle == hummingbird.model_copy(update={"delay": 0.045})
     assert race.control_model == hummingbird.model_copy(update={"rotor_drag": 0.0})
     assert unknown_latency(race) == 0.045
-    assert race.controller == ControllerSettings()
+    assert race.controller == ControllerSettings(lag_lead=0.0)
     assert race.noise == NoiseSettings()
     assert race.judge == JudgeSettings()
 
@@ -75,7 +75,7 @@ def test_the_airsim_suite_is_its_own_quadrotor_judged_by_closest_approach(name):
     assert race.vehicle == airsim.model_copy(update={"delay": 0.0125})
     assert race.control_model == airsim.model_copy(update={"body_drag": (0.0, 0.0, 0.0)})
     assert (race.judge.rule, race.judge.distance, race.judge.window, race.judge.crash) == (GateRule.CLOSEST, 1.3, (1.0, 2.0), 10.0)
-    assert race.controller == ControllerSettings()
+    assert race.controller == ControllerSettings(lag_lead=0.0)
     assert race.noise == NoiseSettings()
 
 
@@ -87,6 +87,11 @@ def test_what_reproduces_the_paper_has_its_gates_and_its_planning_model(name):
     assert race.planning.dynamics is PlanDynamics.IDEAL
 
 
+def lag(vehicle):
+    """[s] of motors and rate loop."""
+    return sum(vehicle.motor_time) / 2 + 1 / vehicle.rate_gain[0]
+
+
 @pytest.mark.parametrize("name", REAL)
 def test_the_real_suite_has_openings_and_one_setting_for_all(name):
     race, base = load_race(name), load_race("real-circle")
@@ -94,7 +99,9 @@ def test_the_real_suite_has_openings_and_one_setting_for_all(name):
     assert race.planning.model_copy(update={"nodes": base.planning.nodes}) == base.planning
     assert race.planning.dynamics is PlanDynamics.FULL
     assert race.noise == NoiseSettings()
-    assert race.control_model == race.vehicle, "controller and planner know the vehicle"
+    known = race.control_model.model_copy(update={"delay": race.vehicle.delay, "name": race.vehicle.name})
+    assert known == race.vehicle, "controller and planner know the vehicle"
+    assert race.control_model.delay == pytest.approx(race.vehicle.delay + 0.5 * lag(race.vehicle), abs=1e-3)
     vehicle = load_quadrotor("airsim-122m") if "airsim" in name else load_quadrotor("hummingbird").model_copy(update={"delay": 0.045})
     assert race.vehicle == vehicle
     assert race.controller.thrust[1] == pytest.approx(race.vehicle.max_acceleration, rel=2e-3)

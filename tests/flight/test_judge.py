@@ -9,10 +9,11 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from hotlap.core.records import End
-from hotlap.flight.judge import Gates, Verdicts, gates_of, judge, new_verdicts
+from hotlap.flight.judge import Verdicts, gates_of, new_verdicts
 from hotlap.race.race import GateRule, JudgeSettings
+from hotlap.race.track import Gate, Track
 
-from .kept import kept
+from .judging import judge_one, outcome, place, reference_of
 
 GATES = np.array([[2.0, 0, 0], [4.0, 0, 0], [6.0, 0, 0]])
 TIMES = np.array([1.0, 2.0, 3.0])  # the reference flies at 2 m/s along x
@@ -20,29 +21,19 @@ SPEED = 2.0
 EVERY_RULE = pytest.mark.parametrize("rule", GateRule)
 
 
-@kept
-def judge_one(v: Verdicts, g: Gates, start: float, before: Any, time: float, now: Any, reference: Any, rate: float) -> bool:
-    """Judge a period of flight 1."""
-    return judge(v, 1, g, start, before, time, now, reference, rate)
-
-
 def fly(
     path: Any, settings: JudgeSettings | None = None, *, period: float = 0.1, last: float = 6.0, rates: Any = lambda t: 0.0,
     floor: float | None = None, times: np.ndarray = TIMES, gates: np.ndarray = GATES,
 ) -> Verdicts:  # fmt: skip
     """Judge a flight along path(t), which is (x, y, z), period by period until it is over."""
-    g, v = gates_of(settings or JudgeSettings(), gates, times, floor), new_verdicts(2, len(gates))
+    track = Track(name="line", start=(0.0, 0.0, 0.0), gates=tuple(Gate(position=tuple(gate)) for gate in gates.tolist()), floor=floor)
+    g, v = gates_of(settings or JudgeSettings(), track, 0.0, reference_of(beside(0.0), times, last)), new_verdicts(2, len(gates))
     for k in range(round(last / period)):
         start, now = period * k, period * (k + 1)
         reference = (SPEED * now, 0.0, 0.0)
         if judge_one(v, g, start, place(path, start), now, place(path, now), reference, float(rates(now))):
             return v
     return v
-
-
-def place(path: Any, time: float) -> tuple[float, float, float]:
-    x, y, z = path(time)
-    return float(x), float(y), float(z)
 
 
 def beside(offset: float, late: float = 0.0) -> Any:
@@ -52,10 +43,6 @@ def beside(offset: float, late: float = 0.0) -> Any:
 
 def settings(rule: GateRule = GateRule.CLOCK, **others: Any) -> JudgeSettings:
     return JudgeSettings(rule=rule, **others)
-
-
-def outcome(v: Verdicts) -> tuple[int, End | None]:
-    return int(v.gates_passed[1]), None if v.end[1] < 0 else End(v.end[1])
 
 
 @EVERY_RULE

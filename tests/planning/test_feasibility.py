@@ -48,6 +48,7 @@ def test_a_race_says_what_the_controller_does_not_know():
     assert found["unknown latency"].value == "45 ms"
     assert found["unknown latency"].remark.startswith("0.90 m at top speed")
     assert findings(load_race("split-s"))["unknown latency"].value == "0 ms"
+    assert findings(load_race("real-circle"))["unknown latency"].remark == "the controller predicts 45 ms further, over part of the lag"
 
 
 def test_a_vehicle_that_is_heavier_than_its_model_is_noted():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from hotlap.files.descriptions import load_quadrotor
 from hotlap.planning.finding import Level
 from hotlap.planning.plan_feasibility import describe_flown, rooms
 from hotlap.race.gate import Gate, PassingDirection
+from hotlap.race.obstacles import Pole
 from hotlap.race.race import GateRule, JudgeSettings, PlanningSettings, Race
 from hotlap.race.track import Track
 from hotlap.reference.reference import Reference
@@ -26,9 +29,9 @@ def straight(gates, rates=0.0):
     return Reference(position, attitude, velocity, turning, np.full(rows, 9.81), rotors, times, duration=float(gates))
 
 
-def make_race(*gates, judge=None, **planning):
+def make_race(*gates, judge=None, poles=(), **planning):
     settings = {} if judge is None else {"judge": judge}
-    track = Track(name="hall", start=(0.0, 0.0, 1.0), gates=gates)
+    track = Track(name="hall", start=(0.0, 0.0, 1.0), gates=gates, poles=poles)
     return Race(name="hall", track=track, vehicle=load_quadrotor("split-s-racer"), planning=PlanningSettings(**planning), **settings)
 
 
@@ -46,8 +49,7 @@ CLOSEST = JudgeSettings(rule=GateRule.CLOSEST)
 
 def test_the_room_of_a_point_is_what_counts_less_how_far_it_is_passed():
     race = make_race(gate(2.0, 0.3), gate(4.0, -1.4))
-    places = np.array([[2.0, 0.0, 1.0], [4.0, 0.0, 1.0]])
-    assert rooms(race, places) == pytest.approx([1.0, -0.1])
+    assert rooms(race, straight(2)) == pytest.approx([1.0, -0.1])
     found = findings(race)["room at the gates"]
     assert (found.value, found.level) == ("0.10 m", Level.WARNING)
     assert "gate 2" in found.remark
@@ -56,10 +58,17 @@ def test_the_room_of_a_point_is_what_counts_less_how_far_it_is_passed():
 def test_the_room_of_an_opening_is_that_of_the_whole_vehicle():
     race = make_race(gate(2.0, 0.1, yaw=0.0, side=1.0), gate(4.0, radius=0.4), gate(6.0, 0.2, yaw=0.0))
     size = race.vehicle.outer_radius
-    places = np.array([[2.0, 0.0, 1.0], [4.0, 0.0, 1.0], [6.0, 0.0, 1.0]])
-    assert rooms(race, places) == pytest.approx([0.5 - 0.1 - size, 0.4, 1.1])
+    assert rooms(race, straight(3)) == pytest.approx([0.5 - 0.1 - size, 0.4, 1.1])
     by_distance = race.model_copy(update={"judge": CLOSEST})
-    assert rooms(by_distance, places) == pytest.approx([1.2, 1.3, 1.1])
+    assert rooms(by_distance, straight(3)) == pytest.approx([1.2, 1.3, 1.1])
+
+
+def test_a_gate_that_is_hardly_pierced_before_the_way_back_leaves_that_little_room():
+    race, there = make_race(gate(2.0, yaw=0.0, side=1.0)), straight(1)
+    position = there.position.copy()
+    position[:, 0] = 2.04 - np.abs(position[:, 0] - 2.04)
+    assert rooms(race, replace(there, position=position)) == pytest.approx([0.04])
+    assert rooms(race, there)[0] > 0.1
 
 
 def test_little_room_is_noted():
@@ -99,3 +108,10 @@ def test_a_reference_is_said_to_be_flown_in_place_of_a_plan():
 def test_what_a_reference_asks_for_beyond_the_controller_is_a_warning():
     found = findings(make_race(gate(2.0)), file="mine.csv", rates=20.0)["reference asks"]
     assert found.level is Level.WARNING
+
+
+def test_what_stands_in_the_way_of_a_reference_is_a_warning():
+    near, far = (Pole(position=(3.0, y), radius=0.05) for y in (0.1, 3.0))
+    found = findings(make_race(gate(2.0), gate(4.0), poles=(far, near)), file="mine.csv")["touches"]
+    assert (found.value, found.level) == ("pole 2", Level.WARNING)
+    assert "touches" not in findings(make_race(gate(2.0), gate(4.0), poles=(far,)), file="mine.csv")

@@ -62,7 +62,7 @@ def test_rows_that_are_no_numbers_are_left_out():
 def test_failures_are_where_flights_ended():
     scenario = make_scenario()
     flights = fly(scenario)
-    good, bad = repeat(flights, slice(0, 2), "best"), repeat(flights, slice(2, 4), "first guess")
+    good, bad = repeat(scenario.race, flights, slice(0, 2), "best"), repeat(scenario.race, flights, slice(2, 4), "first guess")
     assert (good.flights, good.complete, len(good.failures)) == (2, 2, 0)
     assert (bad.flights, bad.complete) == (2, 0)
     np.testing.assert_array_equal(bad.failures, flights.end_position[2:])
@@ -72,7 +72,7 @@ def test_an_end_that_is_nowhere_is_not_shown():
     scenario = make_scenario()
     flights = fly(scenario)
     flights.end_position[2] = np.nan
-    assert len(repeat(flights, slice(2, 4), "first guess").failures) == 1
+    assert len(repeat(scenario.race, flights, slice(2, 4), "first guess").failures) == 1
 
 
 def test_a_scene_knows_its_scenario():
@@ -133,4 +133,4 @@ def test_a_flight_that_flew_on_after_a_miss_has_failed():
     flights = fly(scenario)
     flights.end[2:] = int(End.FINISHED)
     assert trace(scenario, flights, 2, "first guess").ending == f"missed gate {flights.gates_passed[2] + 1}"
-    assert repeat(flights, slice(2, 4), "first guess").complete == 0
+    assert repeat(scenario.race, flights, slice(2, 4), "first guess").complete == 0

@@ -368,6 +368,9 @@ def test_keys_that_a_study_of_before_does_not_know_have_their_defaults():
     before = json.loads(json.dumps(now))
     before["race"]["track"].pop("laps")
     before["race"]["vehicle"].pop("radius")
+    before["race"]["controller"].pop("lag_lead")
+    assert first_difference(before, now) == ("race.controller.lag_lead", 0.0, 0.5)  # how it was flown then
+    now["race"]["controller"]["lag_lead"] = 0.0
     assert first_difference(before, now) is None
     before["race"]["track"]["laps"] = 2
     assert first_difference(before, now) == ("race.track.laps", 2, 1)

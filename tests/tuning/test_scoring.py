@@ -60,7 +60,18 @@ def test_failed_segment_is_that_of_the_first_missed_gate():
 def test_gate_distance_is_what_the_rule_measures(rule):
     flights = fly([GATES, 2])
     measured = flights.clock_distance if rule is GateRule.CLOCK else flights.closest_distance
-    np.testing.assert_array_equal(score(flights, JudgeSettings(rule=rule)).gate_distance, measured)
+    np.testing.assert_allclose(score(flights, JudgeSettings(rule=rule)).gate_distance, measured, rtol=1e-12)
+
+
+def test_the_room_of_every_opening_is_its_own_measure():
+    """At the rim the miss is 0 and the dense cost log 2 a gate, whatever the size; in the middle nothing is left."""
+    flights, rooms = fly([GATES]), np.linspace(0.1, 2.0, GATES)
+    rule = JudgeSettings(rule=GateRule.OPENING)
+    rim, middle = (replace(flights, rooms=rooms, rim_distance=values[None]) for values in (0.0 * rooms, -rooms))
+    np.testing.assert_allclose(score(rim, rule).gate_miss, 0.0, atol=1e-12)
+    np.testing.assert_allclose(score(rim, rule).dense, GATES * np.log(2))
+    np.testing.assert_allclose(score(middle, rule).dense, 0.0, atol=1e-12)
+    assert (score(middle, rule).gate_miss < -5).all()
 
 
 @pytest.mark.parametrize("lost", [np.nan, np.inf, -np.inf, 1e30])

@@ -25,13 +25,10 @@ export function endings(app: App): HTMLElement {
   return card("endings", "Success rates and failures", "Each set of parameters was flown again with the same new noise: flights that passed all gates, with the 95 % interval. Red crosses in the scene show where the others failed.", body);
 }
 
-/** Failures of one set of parameters by gate: "18 missed gate 13, 14 crashed before gate 4". */
+/** Failures of one set of parameters by gate: "18 missed gate 13, 14 hit the floor before gate 4". */
 function failures(repeat: Repeat): HTMLElement {
   const counts = new Map<string, number>();
-  repeat.failed_gates.forEach((gate, i) => {
-    const text = repeat.ends[i] === "crashed" ? `crashed before gate ${gate + 1}` : `missed gate ${gate + 1}`;
-    counts.set(text, (counts.get(text) ?? 0) + 1);
-  });
+  for (const text of repeat.ends) counts.set(text, (counts.get(text) ?? 0) + 1);
   const sorted = [...counts].sort((a, b) => b[1] - a[1]);
   const texts = sorted.slice(0, MOST).map(([text, number]) => `${number} ${text}`);
   const rest = sorted.slice(MOST).reduce((sum, [, number]) => sum + number, 0);

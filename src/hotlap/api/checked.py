@@ -19,6 +19,7 @@ from hotlap.files.descriptions import TYPES, Description, Kind, load
 from hotlap.planning.feasibility import Finding, Level, describe
 from hotlap.planning.plan_feasibility import describe_flown
 from hotlap.planning.race_feasibility import describe_race
+from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.track import Track
 
@@ -76,7 +77,7 @@ def carry_out(asked: Asked) -> CheckedFile:
     """Check what was asked for, the quick things first; plan and fly a race."""
     check_range("flights", asked.flights, 0, MOST_FLIGHTS)
     check_source(as_path(asked.reference))
-    description = asked.file if isinstance(asked.file, tuple(TYPES.values())) else load(asked.file)
+    description = asked.file if isinstance(asked.file, Track | Quadrotor | Race) else load(asked.file)
     if not isinstance(description, Race):
         _refuse_of_a_race(asked, "track" if isinstance(description, Track) else "quadrotor")
         return CheckedFile(description, describe(description))

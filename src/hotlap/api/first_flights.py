@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,6 +50,17 @@ class Tried:
     flown: FlightsResult
 
     @property
+    def flights(self) -> int:
+        """How many."""
+        return len(self.flown.scores)
+
+    @property
+    def dead(self) -> int:
+        """How many crashed before any controller has done anything."""
+        flights = self.flown.flights
+        return int(((flights.end == End.CRASHED) & (flights.end_time <= DEAD)).sum())
+
+    @property
     def share(self) -> float:
         """Of complete flights [-]."""
         return self.flown.complete.rate
@@ -78,15 +89,20 @@ def describe_flights(scenario: Scenario, world: World, flights: int, slower: Cal
     """
     tried = fly_untuned(scenario, world, flights)
     yield from (one.finding for one in tried)
+    if tried[0].dead:
+        remark = f"over within {DEAD:g} s, whatever the weights: look at the start and its noise"
+        yield Finding("dead at once", f"{tried[0].dead} of {count(flights, 'flight')}", remark, Level.WARNING)
     best = max(tried, key=lambda one: (one.share, one.passed))
     doom = find_doom(scenario, world, tried)
     if doom is not None:
         yield Finding("random weights", f"0 of {WEIGHTS}", f"pass gate 1: {doom.words}", Level.WARNING)
-    room = float(rooms(scenario.race, scenario.reference.position_at(scenario.reference.gate_times)).min())
+    room = float(rooms(scenario.race, scenario.reference).min())
     yield _error(best, room)
     yield _difficulty(tried, best, hopeless=doom is not None and doom.crashed)
-    if best.share < EASY and room > 0 and not (doom and doom.at_once):
-        yield from _advise(scenario, world, best, flights, slower)
+    if room > 0 and not (doom and doom.at_once):
+        cured = yield from _advise(scenario, world, tried[0], best)
+        if not cured and slower is not None and best.share < EASY:
+            yield from _slow_down(scenario.race, world, best, slower)
 
 
 def fly_untuned(scenario: Scenario, world: World, flights: int) -> tuple[Tried, ...]:
@@ -136,9 +152,10 @@ def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
         world: where; it is ready to fly.
         weights: shape (S, K), that the search begins with.
     """
-    doom = find_doom(scenario, world, [Tried("first guess", weights, _fly(scenario, world, weights, FEW))])
+    tried = Tried("first guess", weights, _fly(scenario, world, weights, FEW))
+    doom = find_doom(scenario, world, [tried])
     if doom is None:
-        return ""
+        return f"{tried.dead} of {FEW} flights are over within {DEAD:g} s, whatever the weights" if tried.dead else ""
     hopeless = "no weights help as it stands: " if doom.crashed else ""
     return f"{hopeless}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
 
@@ -173,19 +190,26 @@ def _difficulty(tried: Sequence[Tried], best: Tried, *, hopeless: bool) -> Findi
     return Finding("difficulty", "hard", "as flown: untuned weights pass few gates")
 
 
-def _advise(scenario: Scenario, world: World, best: Tried, flights: int, slower: Callable[[Race], Scenario] | None) -> Iterator[Finding]:
-    """What would help, as flown: one change at a time, the weights the same."""
+def _advise(scenario: Scenario, world: World, default: Tried, best: Tried) -> Generator[Finding, None, bool]:
+    """What would help, as flown: one change at a time, the weights the same; whether a setting alone does.
+
+    Settings that are wrong are put right with the default weights, anything else is tried with the best.
+    """
     cured = False
     for change in _changes(scenario.race):
-        tried = Tried(change.name, best.weights, _fly(replace(scenario, race=change.race), world, best.weights, flights))
-        if tried.share >= best.share + MATTERS:
+        before = default if change.cures else best
+        if before.share >= EASY:
+            continue
+        flown = _fly(replace(scenario, race=change.race), world, before.weights, before.flights)
+        tried = Tried(change.name, before.weights, flown)
+        if tried.share >= before.share + MATTERS:
             cured = cured or change.cures
-            yield replace(tried.finding, remark=change.advice, level=Level.NOTE)
-    if not cured and slower is not None:
-        yield from _slow_down(scenario.race, world, best, flights, slower)
+            whose = f"{before.name}; " if change.cures and best is not default else ""
+            yield replace(tried.finding, remark=whose + change.advice, level=Level.NOTE)
+    return cured
 
 
-def _slow_down(race: Race, world: World, best: Tried, flights: int, slower: Callable[[Race], Scenario]) -> Iterator[Finding]:
+def _slow_down(race: Race, world: World, best: Tried, slower: Callable[[Race], Scenario]) -> Iterator[Finding]:
     """Whether a plan that takes less of the thrust is followed."""
     share = round(SLOWER * race.planning_model.max_acceleration / race.control_model.max_acceleration, 2)
     calm = race.model_copy(update={"planning": race.planning.model_copy(update={"thrust_share": share})})
@@ -195,7 +219,7 @@ def _slow_down(race: Race, world: World, best: Tried, flights: int, slower: Call
         scenario = slower(calm)
     except PlanningError:
         return
-    tried = max(fly_untuned(scenario, world, flights), key=lambda one: (one.share, one.passed))
+    tried = max(fly_untuned(scenario, world, best.flights), key=lambda one: (one.share, one.passed))
     if (tried.share, tried.passed) > (best.share + MATTERS, 0) or tried.passed > best.passed + MATTERS:
         value = f"{tried.finding.value}, {percent(tried.passed)} of the gates" if tried.share < SOME else tried.finding.value
         remark = f"planning.thrust_share = {share:g}: {scenario.reference.lap_time:.2f} s"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +17,11 @@ from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, read_guess, read_parameters
 from hotlap.api.wording import count, percent, share
 from hotlap.core.parameters import Parameters
-from hotlap.core.records import End, Flights, Log, Scores
+from hotlap.core.records import Cause, End, Flights, Log, Scores
 from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.files.descriptions import load_parameters
+from hotlap.race.endings import in_words
 from hotlap.reference.scenario import Scenario
 from hotlap.system.text_files import replace
 from hotlap.tuning.objective import Objective
@@ -74,10 +76,16 @@ class FlightsResult(Outcome):
 
     def ends(self) -> Iterator[str]:
         """Where flights ended that did not finish, gate by gate, in words."""
-        for end, verb in ((End.MISSED, "missed"), (End.CRASHED, "crashed before")):
-            counts = np.bincount(self.flights.gates_passed[self.flights.end == end])
-            for gate in np.flatnonzero(counts).tolist():
-                yield f"{counts[gate]} {verb} gate {gate + 1}"
+        flights, ends = self.flights, Counter(self._endings())
+        rows = zip(flights.end.tolist(), flights.gates_passed.tolist(), self._endings(), strict=True)
+        for text in dict.fromkeys(text for end, _, text in sorted(rows) if End(end) is not End.FINISHED):
+            yield f"{ends[text]} {text}"
+
+    def _endings(self) -> list[str]:
+        """How each flight ended, in words."""
+        flights, race = self.flights, self.scenario.race
+        columns = (flights.end.tolist(), flights.gates_passed.tolist(), flights.cause.tolist(), flights.cause_index.tolist())
+        return [in_words(race, End(end), passed, Cause(cause), index) for end, passed, cause, index in zip(*columns, strict=True)]
 
     def rows(self) -> list[dict[str, Any]]:
         """A row for each flight, in the keys of `hotlap fly --json`; None where there is nothing to say."""
@@ -88,6 +96,8 @@ class FlightsResult(Outcome):
             "lap_time": scores.lap_time.tolist(),
             "cost": scores.cost.tolist(),
             "end": [End(end).name.lower() for end in self.flights.end.tolist()],
+            "ending": self._endings(),
+            "cause": [Cause(cause).name.lower() if cause else None for cause in self.flights.cause.tolist()],
             "failed_segment": [None if segment < 0 else segment for segment in scores.failed_segment.tolist()],
             "mean_error": scores.mean_error.tolist(),
             "max_error": scores.max_error.tolist(),
@@ -104,7 +114,7 @@ class FlightsResult(Outcome):
         from hotlap.report.track_view import track  # noqa: PLC0415
 
         label = "flown"
-        first, all_of_them = trace(self.scenario, self.flights, 0, label), repeat(self.flights, slice(None), label)
+        first, all_of_them = trace(self.scenario, self.flights, 0, label), repeat(self.scenario.race, self.flights, slice(None), label)
         return track(stage(self.scenario, (first,), (all_of_them,)))
 
 

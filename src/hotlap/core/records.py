@@ -119,8 +119,9 @@ class Scores:
         completion: shape (B,), gates passed / gates, 0 to 1.
         failed_segment: shape (B,) segment of the first missed gate; -1 where all were passed.
         gate_distance: shape (B, M) [m] as the rule measures it; NaN where the flight did not get there.
-        gate_miss: shape (B, M), log(gate_distance / the judge's distance): negative where the gate was passed, NaN where the flight did not
-            get there. In the scores reported to a tuner it is the mean over those flights of a candidate that got there. Shape (B, 0)
+        gate_miss: shape (B, M), log(gate_distance / the judge's distance, or the room of the opening): negative where the gate was passed,
+            NaN where the flight did not get there. In the scores reported to a tuner it is the mean over those flights of a candidate that
+            got there. Shape (B, 0)
             where the cost is not computed from gates.
         gate_segment: shape (B, M), the segment that each gate lies in; shape (B, 0) likewise.
         mean_error, max_error: shape (B,) [m].

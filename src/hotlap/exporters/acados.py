@@ -37,7 +37,7 @@ def write(study: Study, path: Path) -> tuple[Path, ...]:
 def weights(tuned: ExportedParameters) -> dict[str, Any]:
     """Everything about the cost that is flown, as plain values; weights are diagonals."""
     settings, race, reference = tuned.controller, tuned.scenario.race, tuned.scenario.reference
-    lead = race.control_model.delay if settings.predict and settings.reference_time is ReferenceTime.EXECUTION else 0.0
+    lead = race.prediction if settings.reference_time is ReferenceTime.EXECUTION else 0.0
     pieces = tuned.scenario.segments.pieces
     points = reference.position_at(tuned.scenario.segments.starts).tolist()
     return {
@@ -50,7 +50,7 @@ def weights(tuned: ExportedParameters) -> dict[str, Any]:
         "high": [settings.thrust[1], *settings.rates],
         "input_reference": "reference" if settings.feed_forward else "hover",
         "control_period": settings.period,
-        "prediction": race.control_model.delay if settings.predict else 0.0,
+        "prediction": race.prediction,
         "lead": lead,
         "segment_switch": settings.segment_switch,
         "distance": settings.segment_switch_distance,

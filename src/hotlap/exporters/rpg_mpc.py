@@ -47,7 +47,7 @@ def _head(tuned: ExportedParameters) -> list[str]:
     """What the controller must be like for these numbers to mean what they meant here."""
     settings, race = tuned.controller, tuned.scenario.race
     segment_switch = SAID[settings.segment_switch].format(distance=settings.segment_switch_distance)
-    ahead = race.control_model.delay if settings.predict else 0.0
+    ahead = race.prediction
     inputs = "those of the reference" if settings.feed_forward else "hover"
     return [
         f"# Tuned by hotlap for {race.name}: parameters of rpg_mpc, a list entry for each segment.",

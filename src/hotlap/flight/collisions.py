@@ -18,7 +18,7 @@ from numba import njit
 from hotlap.core.records import Cause
 from hotlap.flight.numbers import INLINE, INNER
 from hotlap.flight.planes import Planes, between, planes_of, reach, rim_distance
-from hotlap.race.gate_plane import plane_of
+from hotlap.race.gate_plane import GatePlane, plane_of
 from hotlap.race.track import Track
 
 FRAME, POLE, SPHERE, BOX = int(Cause.FRAME), int(Cause.POLE), int(Cause.SPHERE), int(Cause.BOX)
@@ -36,6 +36,7 @@ class Objects(NamedTuple):
         boxes: (B, 6) low and high corner [m] (world).
         frames: of the gates that have one.
         widths: (F,) [m] of the frames.
+        spans: (F,) [m] from the centre of a gate, within which its frame is touched.
         gates: (F,) index of the gate in the track.
         radius: [m] of the vehicle.
         any: whether there is anything.
@@ -46,6 +47,7 @@ class Objects(NamedTuple):
     boxes: Any
     frames: Planes
     widths: Any
+    spans: Any
     gates: Any
     radius: float
     any: bool
@@ -63,7 +65,7 @@ def objects_of(track: Track, radius: float) -> Objects:
         for pole in track.poles
     ]
     first = {point.key: point.gate for point in track.route if point.gate.frame > 0}
-    planes = [plane_of(gate, 0.0) for gate in first.values()]
+    planes = [plane for gate in first.values() if (plane := plane_of(gate, 0.0)) is not None]
     rows = {"poles": (poles, 5), "spheres": ([(*ball.position, ball.radius) for ball in track.spheres], 4)}
     rows["boxes"] = ([(*box.low, *box.high) for box in track.boxes], 6)
     arrays = {name: np.array(values, dtype=np.float64).reshape(-1, width) for name, (values, width) in rows.items()}
@@ -71,10 +73,17 @@ def objects_of(track: Track, radius: float) -> Objects:
         **arrays,
         frames=planes_of(planes),
         widths=np.array([gate.frame for gate in first.values()], dtype=np.float64),
+        spans=np.array([_span(plane, radius) for plane in planes], dtype=np.float64),
         gates=np.array([int(key[len("gates[") : -1]) for key in first], dtype=np.int64),
         radius=float(radius),
         any=bool(first) or any(len(array) for array in arrays.values()),
     )
+
+
+def _span(plane: GatePlane, radius: float) -> float:
+    """[m] From the centre of a gate, within which its frame is touched."""
+    outside = np.linalg.norm(plane.outline(plane.frame + radius) - plane.centre, axis=1).max()
+    return float(math.hypot(outside, plane.depth / 2 + radius))
 
 
 @njit(**INNER)
@@ -92,7 +101,11 @@ def touch(o: Objects, before: Any, now: Any, length: float, free: float) -> Any:
         Share of the line up to the touch, more than 1 where there is none; what is touched, a `Cause`; its index; and how far the vehicle
         may fly from the end of the line before something can be touched [m].
     """
-    share, what, which = 2.0, NONE, -1
+    share, what, which, distance = 2.0, NONE, -1, 0.0
+    if free > 0 or length > 0:
+        distance, _, _ = _nearest(o, between(before, now, min(free / length, 1.0) if length > 0 else 0.0))
+    if free + distance > length:
+        return share, what, which, free + distance - length
     for n in range(len(o.widths)):
         crossed = _cross_frame(o, n, before, now)
         if crossed < share:
@@ -149,6 +162,11 @@ def _nearest(o: Objects, point: Any) -> Any:
         if apart < distance:
             distance, what, which = apart, BOX, n
     for n in range(len(o.widths)):
+        square = 0.0
+        for j in range(3):
+            square += (point[j] - o.frames.centres[n, j]) ** 2
+        if square > (distance + o.spans[n]) ** 2:  # further away than what is nearest so far
+            continue
         apart = _frame_distance(o, n, point)
         if apart < distance:
             distance, what, which = apart, FRAME, o.gates[n]

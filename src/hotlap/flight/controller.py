@@ -45,7 +45,7 @@ class Controller:
         whole = np.array(np.broadcast_to(parameters, (len(scenario.segments), scenario.space.size)), dtype=np.float64)
         self._job, _ = prepare(scenario, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
         self._settings = settings_of(scenario)._replace(stop_early=False)  # the same work at every step
-        self._dead_time = scenario.race.control_model.delay if scenario.race.controller.predict else 0.0
+        self._dead_time = scenario.race.prediction
         kind = scenario.race.controller.kind
         self._memory = CONTROLLERS[kind].allocate(self._settings.nodes, 1, np.float64)
         self._begin, self._step = _steps(kind)

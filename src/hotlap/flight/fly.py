@@ -87,7 +87,7 @@ def settings_of(scenario: Scenario) -> Settings:
     """The settings that all flights over a scenario share, as plain numbers."""
     race = scenario.race
     controller, noise, control_model = race.controller, race.noise, race.control_model
-    lead = control_model.delay if controller.predict else 0.0
+    lead = race.prediction
     settings = Settings(
         nodes=controller.nodes,
         sweeps=controller.sweeps,

@@ -67,10 +67,12 @@ def judge(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float,
         return _crash(v, i, g, cause, index, time, now, error)
     v.mean_error[i] += (error - v.mean_error[i]) / v.ticks[i]
     v.max_error[i] = max(v.max_error[i], error)
-    if touched <= 1:  # the period ends there
-        time, now = start + touched * (time - start), between(before, now, touched)
-    over = time > start and _pass_gates(v, i, g, start, before, time, now)
-    return over or (cause != NONE and _crash(v, i, g, cause, index, time, now, math.nan))
+    if touched > 1:
+        return _pass_gates(v, i, g, start, before, time, now)
+    moment, place = start + touched * (time - start), between(before, now, touched)
+    if g.rule == OPENING and moment > start and decide_by_openings(v, i, g, start, before, moment, place):
+        return True
+    return _crash(v, i, g, cause, index, moment, place, math.nan)
 
 
 @njit(**INLINE)
@@ -105,7 +107,8 @@ def _fault(g: Gates, now: Any, error: float, fastest_rate: float, grounded: bool
 @njit(**INLINE)
 def _pass_gates(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float, now: Any) -> bool:
     """Judge the gates by the rule; returns whether the flight is over."""
-    _approach(v, i, g, start, before, time, now)
+    if g.rule != OPENING:
+        _approach(v, i, g, start, before, time, now)
     first = v.clocked[i]
     _clock(v, i, g, start, before, time, now)
     if g.rule == CLOCK:
@@ -142,10 +145,11 @@ def _crash(v: Verdicts, i: int, g: Gates, cause: int, index: int, time: float, n
 @njit(**INLINE)
 def _approach(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float, now: Any) -> None:
     """Closest approach to every gate whose window is open."""
-    while v.opened[i] < len(g.times) and g.closes[v.opened[i]] < start:
+    while v.opened[i] < len(g.times) and g.times[v.opened[i]] + g.after < start:
         v.opened[i] += 1
+    length = (now[0] - before[0]) ** 2 + (now[1] - before[1]) ** 2 + (now[2] - before[2]) ** 2
     for k in range(v.opened[i], len(g.times)):
-        if not approach(v, i, g, k, start, start, before, time, now):
+        if not approach(v, i, g, k, length, max(start, g.times[k] - g.before), min(time, g.times[k] + g.after), start, before, time, now):
             break
 
 
@@ -188,13 +192,13 @@ def _decide_by_approach(v: Verdicts, i: int, g: Gates, time: float, now: Any) ->
         k = v.gates_passed[i]
         if v.closest_distance[i, k] < g.distance:
             v.gates_passed[i] += 1
-        elif g.closes[k] <= time:
+        elif g.times[k] + g.after <= time:
             end_flight(v, i, MISSED, time, now)
         else:
             break
-    if v.gates_passed[i] > last and (v.closest_time[i, last] < time or g.closes[last] <= time):
+    if v.gates_passed[i] > last and (v.closest_time[i, last] < time or g.times[last] + g.after <= time):
         return finish(v, i, v.closest_time[i, last], now)
-    return g.closes[last] <= time
+    return g.times[last] + g.after <= time
 
 
 @njit(**INLINE)

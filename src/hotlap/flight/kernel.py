@@ -21,7 +21,7 @@ from hotlap.flight.job import Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, judge
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers, borrow, fetch_and_add
-from hotlap.flight.numbers import COMPILE, INLINE, Numbers
+from hotlap.flight.numbers import COMPILE, INLINE, INNER, Numbers
 from hotlap.flight.plant import MASS, THRUST_FACTOR, WIND, VehicleState, allocate_vehicle_state, fly_period
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import FRESH
@@ -107,6 +107,8 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
                     _actuate(job, s, loop, vehicle_state, lane, k)
             fly_period(c, s.steps)
             for k in range(lanes):
+                if lane.flight[k] != IDLE and vehicle_state.state[2, k] < gates.floor:
+                    _stand(gates, verdicts, vehicle_state, lane, k)
                 if lane.flight[k] != IDLE and _judge_period(job, s, gates, verdicts, loop, vehicle_state, lane, k):
                     busy += _start_flight(job, s, gates.floor, loop, vehicle_state, lane, k) - 1
                     begin(job, s, memory, k)
@@ -204,6 +206,14 @@ def _log(job: Job, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k
             job.logs[row, tick, 17 + n] = loop.history[0, n, k]
 
 
+@njit(**INNER)
+def _stand(gates: Gates, verdicts: Verdicts, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
+    """Keep a lane's drone on the ground until it takes off."""
+    if verdicts.airborne[lane.flight[k]] == 0:
+        vehicle_state.state[2, k] = gates.floor
+        vehicle_state.state[9, k] = max(float(vehicle_state.state[9, k]), 0.0)
+
+
 @njit(**INLINE)
 def _judge_period(
     job: Job, s: Settings, gates: Gates, verdicts: Verdicts, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int
@@ -220,9 +230,6 @@ def _judge_period(
         job.table[row, 1] + share * (job.table[row + 1, 1] - job.table[row, 1]),
         job.table[row, 2] + share * (job.table[row + 1, 2] - job.table[row, 2]),
     )
-    if vehicle_state.state[2, k] < gates.floor and verdicts.airborne[lane.flight[k]] == 0:
-        vehicle_state.state[2, k] = gates.floor  # it stands on the ground until it takes off
-        vehicle_state.state[9, k] = max(float(vehicle_state.state[9, k]), 0.0)
     before, now = _position(vehicle_state.before, k), _position(vehicle_state.state, k)
     fastest = max(abs(float(vehicle_state.state[10, k])), abs(float(vehicle_state.state[11, k])), abs(float(vehicle_state.state[12, k])))
     over = judge(verdicts, lane.flight[k], gates, start, before, time, now, reference, fastest)

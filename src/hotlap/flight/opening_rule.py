@@ -22,10 +22,14 @@ def decide_by_openings(v: Verdicts, i: int, g: Gates, start: float, before: Any,
     Gates behind the next one are measured too, for flights that go on after a miss; what was seen before their turn is forgotten.
     """
     last, turn, waiting = len(g.times) - 1, start, False
+    while v.opened[i] <= last and g.closes[v.opened[i]] < start:
+        v.opened[i] += 1
+    length = (now[0] - before[0]) ** 2 + (now[1] - before[1]) ** 2 + (now[2] - before[2]) ** 2
     for k in range(v.opened[i], last + 1):
         if g.opens[k] > time:
             waiting = True
             break
+        approach(v, i, g, k, length, max(start, g.opens[k]), min(time, g.closes[k]), start, before, time, now)
         if g.openings.kinds[k] == BALL:
             turn = _near_ball(v, i, g, k, turn, start, before, time, now)
         elif k > v.gates_passed[i] or _awaited(v, i, k):
@@ -61,7 +65,8 @@ def _through_plane(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: fl
         return turn
     place = between(before, now, share)
     if rim > 0:
-        end_flight(v, i, MISSED, moment, place)
+        if rim >= o.bands[k]:
+            end_flight(v, i, MISSED, moment, place)
         return turn
     _count(v, i, g, k, moment, start, before, time, now)
     if k == len(g.times) - 1:
@@ -90,7 +95,9 @@ def _count(v: Verdicts, i: int, g: Gates, k: int, moment: float, start: float, b
         v.entered[i, following] = 0
         if g.openings.kinds[following] == BALL:
             v.closest_distance[i, following] = math.nan
-            approach(v, i, g, following, moment, start, before, time, now)
+            length = (now[0] - before[0]) ** 2 + (now[1] - before[1]) ** 2 + (now[2] - before[2]) ** 2
+            earliest, latest = max(moment, g.opens[following]), min(time, g.closes[following])
+            approach(v, i, g, following, length, earliest, latest, start, before, time, now)
 
 
 @njit(**INLINE)

@@ -34,6 +34,7 @@ class Openings(NamedTuple):
         kinds: (M,) BALL, ONE_WAY or EITHER_WAY.
         planes: of the gates; rows of no meaning for balls.
         sizes: (M,) [m] that the vehicle's own size takes from the opening; the radius of a ball with its sign turned.
+        bands: (M,) [m] from the rim outwards in which the frame is touched, which is a crash and no miss; 0 without a frame.
         rooms: (M,) [m] radius of the largest circle in what is left.
         ways: (M,) 1 or -1: the way in which the reference crosses, along the normal or against it.
         places: (M, 2) [m] (gate) where it does.
@@ -43,6 +44,7 @@ class Openings(NamedTuple):
     kinds: Any
     planes: Planes
     sizes: Any
+    bands: Any
     rooms: Any
     ways: Any
     places: Any
@@ -88,6 +90,7 @@ def openings_of(track: Track, judge: JudgeSettings, radius: float, reference: Re
         kinds=np.array(kinds, dtype=np.int64),
         planes=planes_of(planes),
         sizes=np.array(sizes),
+        bands=np.array([gate.frame + 2 * size if gate.frame > 0 else 0.0 for gate, size in zip(gates, sizes, strict=True)]),
         rooms=np.array(rooms),
         ways=np.array([passage.way for passage in passages]),
         places=np.array([passage.place for passage in passages]),
@@ -140,7 +143,7 @@ def _crossings(plane: GatePlane, reference: Reference) -> tuple[Floats, Floats, 
 def _none() -> Openings:
     """Openings for the rules that ask for none."""
     empty = np.zeros(0)
-    return Openings(np.zeros(0, dtype=np.int64), planes_of([]), empty, empty, empty, np.zeros((0, 2)), empty)
+    return Openings(np.zeros(0, dtype=np.int64), planes_of([]), empty, empty, empty, empty, np.zeros((0, 2)), empty)
 
 
 NO_OPENINGS = _none()

@@ -30,9 +30,9 @@ class Gates(NamedTuple):
     Attributes:
         positions: (M, 3) [m] (world).
         times: (M,) [s] of the reference.
-        opens, closes: (M,) [s] from and until when a passage counts.
+        opens, closes: (M,) [s] from and until when a passage counts, for the rule OPENING.
         rule: CLOCK, CLOSEST, OPENING or RELEASED.
-        distance, crash, rate_crash, fly_on: as in `JudgeSettings`.
+        distance, crash, before, after, rate_crash, fly_on: as in `JudgeSettings`; the window is endless for RELEASED.
         floor: [m] height below which a drone has crashed that has taken off.
         floor_cause: what that floor is, a `Cause`: the floor, or the bottom of the track's box.
         ceiling: [m] height above which it has.
@@ -48,6 +48,8 @@ class Gates(NamedTuple):
     rule: int
     distance: float
     crash: float
+    before: float
+    after: float
     rate_crash: float
     fly_on: bool
     floor: float
@@ -122,6 +124,8 @@ def gates_of(judge: JudgeSettings, track: Track, radius: float, reference: Refer
         rule=_RULES[judge.rule],
         distance=float(judge.distance),
         crash=float(judge.crash),
+        before=float(before),
+        after=float(after),
         rate_crash=float(judge.rate_crash),
         fly_on=bool(judge.fly_on),
         floor=float(max(floor, bottom)),
@@ -189,16 +193,16 @@ def finish(v: Verdicts, i: int, lap_time: float, now: Any) -> bool:
 
 
 @njit(**INLINE)
-def approach(v: Verdicts, i: int, g: Gates, k: int, since: float, start: float, before: Any, time: float, now: Any) -> bool:
-    """Measure the closest approach to gate k within a period, to the straight line, from a time on.
+def approach(
+    v: Verdicts, i: int, g: Gates, k: int, length: float, earliest: float, latest: float, start: float, before: Any, time: float, now: Any
+) -> bool:
+    """Measure the closest approach to gate k within a part of a period, to the straight line, of which length is the square of its length.
 
     Returns:
-        Whether its window is open in the period.
+        Whether there is such a part.
     """
-    earliest, latest = max(since, g.opens[k]), min(time, g.closes[k])
     if earliest > latest:
         return False
-    length = (now[0] - before[0]) ** 2 + (now[1] - before[1]) ** 2 + (now[2] - before[2]) ** 2
     along = 0.0
     for j in range(3):
         along += (g.positions[k, j] - before[j]) * (now[j] - before[j])

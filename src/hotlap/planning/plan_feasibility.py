@@ -10,13 +10,15 @@ from hotlap.planning.race_feasibility import thrust_share
 from hotlap.planning.reference_demands import Demands, advice, demands
 from hotlap.race.flight_performance import command_lag
 from hotlap.race.gate import Gate
-from hotlap.race.gate_plane import plane_of
+from hotlap.race.gate_plane import GatePlane, plane_of
 from hotlap.race.race import GateRule, PlanDynamics, Race
+from hotlap.reference.encounters import EncounterKind, find_encounters
 from hotlap.reference.reference import Reference
 
 SIDEWAYS = 0.5  # cosine of velocity and normal below which a gate is flown along rather than through
 ALIKE = 0.02  # difference of two shares of the thrust that says nothing
 SUDDEN = 1.0  # rad/s at the first moment that a drone at rest does not have
+FINE = 0.002  # s between the positions at which one looks for what is touched
 TIGHT = 0.05  # m: noise of the start alone is as large
 
 Floats = NDArray[np.float64]
@@ -41,6 +43,7 @@ def describe_flown(race: Race, reference: Reference, file: str = "") -> tuple[Fi
         _first_moment(race, wanted, file),
         *_least_room(race, reference),
         *_directions(race, reference),
+        *_touched(race, reference),
     )
 
 
@@ -73,30 +76,41 @@ def _first_moment(race: Race, wanted: Demands, file: str) -> Finding:
     return Finding("first moment", f"{wanted.first_share:.0%}, {rate:.1f} rad/s", remark, note_if(sudden))
 
 
-def rooms(race: Race, places: Floats) -> Floats:
-    """By how much places lie inside of what counts as passing each counted gate, shape (gates,) [m]; negative: outside.
+def rooms(race: Race, reference: Reference) -> Floats:
+    """By how much a reference lies inside of what counts as passing each counted gate, shape (gates,) [m]; negative: outside.
+
+    Where openings count, that is the least of the room around the vehicle and of how deep it goes through the gate before it turns back.
 
     Args:
         race: its gates and its judge.
-        places: shape (gates, 3) [m] (world), where each is passed.
+        reference: that passes them.
     """
-    return np.array([_room(race, gate, place) for gate, place in zip(race.track.counted, places, strict=True)])
+    places = zip(race.track.counted, reference.gate_times.tolist(), reference.position_at(reference.gate_times), strict=True)
+    return np.array([_room(race, reference, gate, time, place) for gate, time, place in places])
 
 
-def _room(race: Race, gate: Gate, place: Floats) -> float:
-    """The same for one gate."""
+def _room(race: Race, reference: Reference, gate: Gate, time: float, place: Floats) -> float:
+    """The same for one gate, passed at a time [s] and place [m]."""
     by_opening = race.judge.rule is GateRule.OPENING
     plane = plane_of(gate, race.judge.distance) if by_opening else None
     if plane is not None:
         size = race.vehicle.outer_radius if plane.solid else 0.0
-        return -float(plane.rim_distance(plane.to_gate(place)[1:])) - size
+        return min(-float(plane.rim_distance(plane.to_gate(place)[1:])) - size, _depth(plane, reference, time))
     counts = gate.radius if by_opening and gate.radius else race.judge.distance
     return counts - float(np.linalg.norm(place - gate.position))
 
 
+def _depth(plane: GatePlane, reference: Reference, time: float) -> float:
+    """How far it goes beyond a plane, either way, before it crosses it again [m]."""
+    along = plane.to_gate(reference.position_at(np.arange(time, reference.times[-1], FINE)))[:, 0]
+    way = np.sign(along[1]) if len(along) > 1 else 0.0
+    back = np.flatnonzero(way * along[1:] < 0)
+    return float(np.abs(along[: back[0] + 1]).max()) if len(back) else float("inf")
+
+
 def _least_room(race: Race, reference: Reference) -> list[Finding]:
     """The gate that it passes closest to the edge of what counts."""
-    left = rooms(race, reference.position_at(reference.gate_times))
+    left = rooms(race, reference)
     worst = int(left.argmin())
     name = [point.name for point in race.track.route if point.counts][worst]
     if left[worst] <= 0:
@@ -126,6 +140,18 @@ def _directions(race: Race, reference: Reference) -> list[Finding]:
         Finding(f"passed {how}", _count(some), f"{', '.join(some)}{counted}", Level.NOTE)
         for how, some in (("backwards", backwards), ("sideways", sideways))
         if some
+    ]
+
+
+def _touched(race: Race, reference: Reference) -> list[Finding]:
+    """What the vehicle would touch on the way, if it made no error."""
+    times = np.arange(0.0, reference.duration, FINE)
+    met = find_encounters(times, reference.position_at(times), race.track, race.vehicle.outer_radius, race.judge.distance)
+    solid = {EncounterKind.FRAME, EncounterKind.OBSTACLE, EncounterKind.BOX, EncounterKind.CEILING}
+    return [
+        Finding("touches", one.name, f"after {one.time:.2f} s, by {-one.distance:.2f} m: a flight without any error crashes", Level.WARNING)
+        for one in met
+        if one.kind in solid
     ]
 
 

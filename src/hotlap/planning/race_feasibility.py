@@ -133,7 +133,7 @@ def _crowded(race: Race) -> list[Finding]:
     if distance <= gap / 2:
         return []
     first, second = sorted((names[i], names[j]), key=lambda name: int(name.split()[1]))
-    remark = f"from {first} to {second}, where {distance:g} m count: one place passes both; lower judge.distance, or give openings"
+    remark = f"from {first} to {second}, where {distance:g} m count: too near to be told apart; lower judge.distance, or give openings"
     return [Finding("gates are close", f"{gap:.2f} m", remark, Level.WARNING)]
 
 
@@ -177,6 +177,8 @@ def _latency(race: Race, speed: float) -> Finding:
     latency = unknown_latency(race)
     if abs(latency) < 1e-9:
         return Finding("unknown latency", "0 ms", "the controller knows its dead time")
+    if -command_lag(race.vehicle) <= latency < 0 and race.control_model.delay > 0:
+        return Finding("unknown latency", "0 ms", f"the controller predicts {-latency * 1e3:g} ms further, over part of the lag")
     far = abs(latency) * speed
     remark = f"{far:.2f} m at top speed{_room(race)}: compensate first (model.delay), tune second"
     return Finding("unknown latency", f"{latency * 1e3:g} ms", remark, Level.NOTE)

@@ -126,6 +126,11 @@ class Quadrotor(Described):
         return PROPELLERS * self.arm if self.radius is None else self.radius
 
     @property
+    def lag(self) -> float:
+        """[s] by which roll and pitch rates follow their commands: of rate loop and motors, 1 / rate_gain + motor_time in the mean."""
+        return 2 / (self.rate_gain[0] + self.rate_gain[1]) + sum(self.motor_time) / 2
+
+    @property
     def torque_matrix(self) -> NDArray[np.float64]:
         """Torque (body) of each rotor per newton of thrust, shape (3, 4) [m]."""
         return torque_matrix(self.layout, self.arm, self.torque_ratio)

@@ -113,7 +113,9 @@ class ControllerSettings(Described):
     feed_forward: bool = True
     """take the reference's inputs as the inputs to stay close to (else hover)."""
     predict: bool = True
-    """predict the state over the model's dead time."""
+    """predict the state over the model's dead time, and over a share of its lag."""
+    lag_lead: float = Field(default=0.5, ge=0, le=1)
+    """[-] that share: of the lag of motors and rate loop, which the controller's model does not have."""
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
     """what a predicting controller compares with: the reference when the command acts, or now."""
     segment_switch: SegmentSwitch = SegmentSwitch.TIME
@@ -257,6 +259,13 @@ class Race(Described):
     def control_model(self) -> Quadrotor:
         """The vehicle as the controller knows it."""
         return self.model or self.vehicle
+
+    @property
+    def prediction(self) -> float:
+        """[s] over which the controller predicts the state: the dead time that it knows, and a share of the lag."""
+        if not self.controller.predict:
+            return 0.0
+        return self.control_model.delay + self.controller.lag_lead * self.control_model.lag
 
     @property
     def planning_model(self) -> Quadrotor:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.core.records import End, Flights
-from hotlap.race.race import GateRule
+from hotlap.core.records import Cause, End, Flights
+from hotlap.race.endings import in_words
+from hotlap.race.race import GateRule, JudgeSettings, Race
 from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import Segments
@@ -34,12 +35,14 @@ class Trace:
         rotor_thrusts: shape (n, 4) [N].
         commands: shape (n, 4): thrust per mass [m/s^2] and rates [rad/s].
         end: how the flight ended.
+        ending: the same in words.
         end_time: [s] of the last passed gate, the miss or the crash.
         end_position: shape (3,) [m] (world) at that time.
         gates_passed: number of gates passed in a row from the first.
         lap_time: [s] at the last gate; NaN where it was not reached.
         seen_times: shape (M,) [s] when each gate's distance was measured; NaN where the flight did not get there.
-        gate_distance: shape (M,) [m] as the judge measures it; NaN likewise.
+        gate_distance: shape (M,) [m] as the judge measures it, under the rule "opening" scaled so that a gate counts within the judge's
+            distance as under the others; NaN likewise.
     """
 
     label: str
@@ -53,6 +56,7 @@ class Trace:
     rotor_thrusts: Floats
     commands: Floats
     end: End
+    ending: str
     end_time: float
     end_position: Floats
     gates_passed: int
@@ -65,13 +69,6 @@ class Trace:
         """Whether a gate was not passed."""
         return self.gates_passed < len(self.gate_distance)
 
-    @property
-    def ending(self) -> str:
-        """How the flight ended, in words."""
-        if not self.failed:
-            return f"all {self.gates_passed} gates"
-        return f"{'crashed before' if self.end is End.CRASHED else 'missed'} gate {self.gates_passed + 1}"
-
 
 @dataclass(frozen=True)
 class Repeats:
@@ -83,7 +80,7 @@ class Repeats:
         complete: how many passed all gates.
         failures: shape (F, 3) [m] (world) where the others ended; those without a known end are left out.
         failed_gates: shape (F,) index of the gate that each of them did not pass.
-        crashed: shape (F,) whether it crashed on the way there; else it missed the gate.
+        ends: F of them, how each of them ended, in words.
     """
 
     label: str
@@ -91,7 +88,7 @@ class Repeats:
     complete: int
     failures: Floats
     failed_gates: NDArray[np.int64]
-    crashed: NDArray[np.bool_]
+    ends: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -172,19 +169,32 @@ def trace(scenario: Scenario, flights: Flights, index: int, label: str) -> Trace
         rotor_thrusts=log.rotor_thrusts[rows],
         commands=log.commands[rows],
         end=end,
+        ending=_ending(scenario.race, flights, index),
         end_time=end_time,
         end_position=flights.end_position[index],
         gates_passed=int(flights.gates_passed[index]),
         lap_time=float(flights.lap_time[index]),
         seen_times=flights.closest_time[index] if clocked is None else np.where(np.isnan(clocked), np.nan, flights.gate_times),
-        gate_distance=score(flights, scenario.race.judge).gate_distance[index],
+        gate_distance=_comparable(flights, scenario.race.judge)[index],
     )
 
 
-def repeat(flights: Flights, rows: slice, label: str) -> Repeats:
+def _comparable(flights: Flights, judge: JudgeSettings) -> Floats:
+    """Distances from all gates, shape (B, M) [m]: below the judge's distance where a gate was passed."""
+    distance = score(flights, judge).gate_distance
+    return distance if judge.rule is not GateRule.OPENING else distance * (judge.distance / flights.rooms)
+
+
+def _ending(race: Race, flights: Flights, index: int) -> str:
+    """How one flight ended, in words."""
+    cause, touched = Cause(int(flights.cause[index])), int(flights.cause_index[index])
+    return in_words(race, End(int(flights.end[index])), int(flights.gates_passed[index]), cause, touched)
+
+
+def repeat(race: Race, flights: Flights, rows: slice, label: str) -> Repeats:
     """How the flights in some rows of a batch, all with the same parameters, ended."""
-    passed, ends = flights.gates_passed[rows], flights.end_position[rows]
+    passed, places = flights.gates_passed[rows], flights.end_position[rows]
     failed = passed < len(flights.gate_positions)
-    known = failed & np.isfinite(ends).all(axis=1)
-    crashed = flights.end[rows][known] == int(End.CRASHED)
-    return Repeats(label, len(failed), int((~failed).sum()), ends[known], passed[known], crashed)
+    known = failed & np.isfinite(places).all(axis=1)
+    words = tuple(_ending(race, flights, index) for index in np.arange(len(flights))[rows][known].tolist())
+    return Repeats(label, len(failed), int((~failed).sum()), places[known], passed[known], words)

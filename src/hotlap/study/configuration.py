@@ -26,6 +26,8 @@ from hotlap.tuning.scoring import Metric
 GIVEN = "given"  # name of a first guess that a program passed as numbers
 MAY_DIFFER = ("budget", "first_guess_name", "race.planning.dynamics")
 """A study may be given a larger budget; of a first guess its numbers count, and of a way to plan the reference."""
+THEN: Mapping[str, Any] = {"lag_lead": 0.0}
+"""Keys of the controller that studies of before do not have, and how those were flown."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
     """The inverse of `Configuration.dump`, given the reference."""
     numbers = {field.name: plain[field.name] for field in fields(TuningSettings) if field.name != "goal"}
     return Configuration(
-        scenario=Scenario(Race.model_validate(plain["race"]), reference, _load_segments(plain["segments"])),
+        scenario=Scenario(_load_race(plain["race"]), reference, _load_segments(plain["segments"])),
         world=plain["world"],
         metric=Metric(plain["metric"]),
         tuner=plain["tuner"]["name"],
@@ -98,13 +100,18 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
     )
 
 
+def _load_race(plain: Mapping[str, Any]) -> Race:
+    """The race of a dump, also of one of before."""
+    return Race.model_validate({**plain, "controller": {**THEN, **plain.get("controller", {})}})
+
+
 def compared(plain: Mapping[str, Any]) -> dict[str, Any]:
     """Dotted keys and values of a dump, without those that may differ between runs of one study.
 
-    Keys that a dump of before does not know have their defaults.
+    Keys that a dump of before does not know have their defaults, or what they stood for then.
     """
     with suppress(ValidationError):
-        plain = {**plain, "race": Race.model_validate(plain["race"]).model_dump(mode="json")}
+        plain = {**plain, "race": _load_race(plain["race"]).model_dump(mode="json")}
     flat = dict(_flatten(json.loads(json.dumps(plain)), ""))
     return {key: value for key, value in flat.items() if key not in MAY_DIFFER and not _is_provenance(key)}
 

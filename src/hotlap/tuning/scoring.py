@@ -45,29 +45,39 @@ def score(flights: Flights, judge: JudgeSettings, metric: Metric = Metric.TIME) 
     time = np.where(lapped, flights.lap_time, flights.end_time)
     achieved = time if metric is Metric.TIME else flights.mean_error
     missed = np.minimum(flights.gates_passed, count - 1)
-    distance = flights.clock_distance if judge.rule is GateRule.CLOCK else flights.closest_distance
+    distance, enough = _distance(flights, judge)
     return Scores(
         cost=achieved + remaining_path(flights, judge.rule) / PENALTY_SPEED,  # m(w), Sec. IV-B
         completion=flights.gates_passed / count,  # TC, Eq. 6
         failed_segment=np.where(complete, -1, flights.gate_segments[missed]),
         gate_distance=distance,
-        gate_miss=np.log(np.maximum(distance, TINY) / judge.distance),
+        gate_miss=np.log(np.maximum(distance, TINY) / enough),
         gate_segment=np.tile(flights.gate_segments, (len(flights), 1)),
         mean_error=flights.mean_error,
         max_error=flights.max_error,
         lap_time=np.where(lapped, flights.lap_time, np.nan),
-        dense=dense_cost(distance, judge.distance),
+        dense=dense_cost(distance, enough),
     )
 
 
-def dense_cost(gate_distance: NDArray[np.float64], distance: float) -> NDArray[np.float64]:
+def _distance(flights: Flights, judge: JudgeSettings) -> tuple[NDArray[np.float64], float | NDArray[np.float64]]:
+    """D, distance from every gate as the rule measures it, shape (B, M) [m], and d, the one that is close enough.
+
+    Under the rule "opening" D is 0 in the middle of an opening and grows to d, the room for the vehicle's centre, at its rim.
+    """
+    if judge.rule is GateRule.OPENING:
+        return np.maximum(flights.rooms + flights.rim_distance, 0.0), flights.rooms
+    return flights.clock_distance if judge.rule is GateRule.CLOCK else flights.closest_distance, judge.distance
+
+
+def dense_cost(gate_distance: NDArray[np.float64], distance: float | NDArray[np.float64]) -> NDArray[np.float64]:
     """sum over gates of log(1 + (D_i / d)^8): near 0 well inside every gate, log 2 at D = d, then growing as 8 log D, shape (B,).
 
     Nearly a count of misses, but smooth. It is most informative when the flight goes on after a miss (`judge.fly_on`).
 
     Args:
         gate_distance: shape (B, M) [m] as the rule measures it; NaN, where a flight did not get there, counts as `UNREACHED`.
-        distance: [m] d of the judge.
+        distance: [m] d of the judge, or of each gate, shape (M,).
     """
     ratio = np.minimum(np.nan_to_num(gate_distance, nan=UNREACHED, posinf=UNREACHED), UNREACHED) / distance
     return np.log1p(ratio**STEEPNESS).sum(axis=1)

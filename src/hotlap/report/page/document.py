@@ -259,7 +259,7 @@ def dump_repeats(repeats: Repeats) -> dict[str, Any]:
         "high": high,
         "failures": pack(repeats.failures.reshape(-1, 3)),
         "failed_gates": repeats.failed_gates.tolist(),
-        "ends": ["crashed" if crashed else "missed" for crashed in repeats.crashed.tolist()],
+        "ends": list(repeats.ends),
     }
 
 

@@ -81,7 +81,7 @@ def _stage(scenario: Scenario, flown: Flights, sets: Sequence[ParameterSet]) -> 
     """The scene of these flights."""
     count = len(flown) // len(sets)
     traces = tuple(trace(scenario, flown, i * count, one.label) for i, one in enumerate(sets))
-    repeats = tuple(repeat(flown, slice(i * count, (i + 1) * count), one.label) for i, one in enumerate(sets))
+    repeats = tuple(repeat(scenario.race, flown, slice(i * count, (i + 1) * count), one.label) for i, one in enumerate(sets))
     return stage(scenario, traces, repeats)
 
 

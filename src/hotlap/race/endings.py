@@ -1,0 +1,52 @@
+"""Endings: how a flight ended, in words."""
+
+from __future__ import annotations
+
+from hotlap.core.records import Cause, End
+from hotlap.race.race import JudgeSettings, Race
+from hotlap.race.track import Track
+
+
+def in_words(race: Race, end: End, gates_passed: int, cause: Cause = Cause.NONE, index: int = -1) -> str:
+    """How a flight ended: "missed gate 3", "hit the floor before gate 1", "touched the frame of gate 3".
+
+    Args:
+        race: that was flown.
+        end: how it ended.
+        gates_passed: in a row from the first.
+        cause: why it crashed; NONE where that is not known.
+        index: of what was touched, in the track; -1 where nothing was.
+    """
+    names = [point.name for point in race.track.route if point.counts]
+    if gates_passed >= len(names):
+        return f"all {len(names)} gates"
+    if end is not End.CRASHED:
+        return f"missed {names[gates_passed]}"
+    before = f"before {names[gates_passed]}"
+    if cause is Cause.FRAME:
+        touched = _name_of_gate(race.track, index)
+        return f"touched the frame of {touched}" + ("" if touched == names[gates_passed] else f" {before}")
+    if cause in _DEEDS:
+        return f"{_DEEDS[cause]} {before}"
+    if cause in _OBSTACLES:
+        return f"crashed into {_OBSTACLES[cause]} {index + 1} {before}"
+    return f"crashed {before}{_why(cause, race.judge)}"
+
+
+_DEEDS = {Cause.FLOOR: "hit the floor", Cause.CEILING: "hit the ceiling", Cause.OUTSIDE: "left the box"}
+_OBSTACLES = {Cause.POLE: "pole", Cause.SPHERE: "sphere", Cause.BOX: "box"}
+
+
+def _why(cause: Cause, judge: JudgeSettings) -> str:
+    """What a crash without anything to hit was."""
+    reasons = {
+        Cause.DISTANCE: f": {judge.crash:g} m from the reference",
+        Cause.RATE: f": turned faster than {judge.rate_crash:g} rad/s",
+        Cause.NUMBERS: ": its state is not a number",
+    }
+    return reasons.get(cause, "")
+
+
+def _name_of_gate(track: Track, index: int) -> str:
+    """Name of a gate of the track, in any lap."""
+    return next(point.name for point in track.route if point.key == f"gates[{index}]").removesuffix(" of lap 1")
