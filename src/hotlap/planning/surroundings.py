@@ -28,6 +28,7 @@ SHRUNK = 0.4  # of such a clearance, where there is no way with all of it
 EXTRA = 0.005  # m added to what a path came too near
 SLOPE = 0.3  # by which a margin that had to be made smaller grows with the distance from there
 PLUGGED = 0.05  # m kept from an opening that must not be crossed
+WIDEST, SPREAD = 3.0, 25  # rooms of an opening to each side of its middle, and places across, that are looked at
 DEEP = 0.3  # share of the margin: a path that comes nearer is led around anew
 
 
@@ -234,7 +235,7 @@ class Surroundings:
         return places[self.lacks(places)[0] <= 0] if len(places) else places
 
     def refuse_blocked(self) -> None:
-        """Refuse a start, end or ball in which the vehicle touches something.
+        """Refuse a start, end or ball in which the vehicle touches something, and an opening in which it does everywhere.
 
         Raises:
             PlanningError: naming both.
@@ -250,6 +251,11 @@ class Surroundings:
                         f"{what} is {max(distance, 0):.3g} m from {kept.solid.name}, and the vehicle needs its radius of {kept.least:.3g} m"
                     )
                     raise PlanningError(problem.track, where, reason)
+            for target in problem.targets:
+                if target.plane is None or same_place(target.plane, kept.solid.plane):
+                    continue
+                if (kept.solid.measure(_spread(target.plane, target.inset) + target.along * target.plane.normal)[0] < kept.least).all():
+                    raise PlanningError(problem.track, target.waypoint, f"its opening is blocked by {kept.solid.name}")
 
     def _measure(self, kept: Kept, path: Path) -> tuple[Floats, Floats, Floats]:
         """Distances, outward directions, and what is lacking; -inf within the gate's own opening."""
@@ -260,3 +266,12 @@ class Surroundings:
     def _within(self, plane: GatePlane | None) -> np.ndarray:
         """Whether each phase leads through the opening of a plane, shape (M,)."""
         return np.array([target.inside and same_place(target.plane, plane) for target in self.problem.targets])
+
+
+def _spread(plane: GatePlane, inset: float) -> Floats:
+    """Places (n, 3) [m] (world) all over an opening less an inset [m]."""
+    middle, room = plane.middle
+    ticks = np.linspace(-WIDEST * room, WIDEST * room, SPREAD)
+    flat = middle + np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
+    flat = np.vstack([middle, flat[plane.rim_distance(flat) <= -inset]])
+    return plane.centre + flat @ plane.rotation[:, 1:].T
