@@ -20,7 +20,8 @@ from hotlap.race.gate_plane import GatePlane
 from hotlap.race.solids import Solid, floor_at, gate_planes, plug, same_place, solids_of, walls_of
 from hotlap.reference.encounters import find_crossings
 
-SAMPLES = 24  # of an interval
+STEP, SPACING = 0.002, 0.01  # s or m, whichever is longer, between the places of an interval that are looked at
+FEWEST, MOST = 12, 120  # of these places
 REACH = 0.3  # m beyond the margin within which a solid is looked at, and half of an interval's length
 SLACK = 0.02  # m that a path may come nearer than it should
 GIVEN = 0.3  # share of a clearance that nobody asked for by which a path may come nearer
@@ -87,6 +88,7 @@ class Path:
         intervals: shape (rows,) the interval of each.
         owners: shape (N,) the phase of each interval.
         nodes: shape (N + 1, 3) [m] (world).
+        samples: places of each interval.
     """
 
     times: Floats
@@ -94,16 +96,19 @@ class Path:
     intervals: np.ndarray
     owners: np.ndarray
     nodes: Floats
+    samples: int
 
     @classmethod
     def of(cls, trajectory: Trajectory) -> Path:
         """Cubic curves through the nodes."""
-        shares = (np.arange(SAMPLES) + 0.5) / SAMPLES
+        longest = np.linalg.norm(np.diff(trajectory.states[:, :3], axis=0), axis=1).max()
+        samples = int(np.clip(np.ceil(min(longest / SPACING, trajectory.steps.max() / STEP)), FEWEST, MOST))
+        shares = (np.arange(samples) + 0.5) / samples
         place, speed = trajectory.states[:, :3], trajectory.states[:, 3:6]
         count, steps = len(trajectory.steps), trajectory.steps[:, None]
         points = np.stack([hermite(np.full(count, s), steps, (place[:-1], place[1:]), (speed[:-1], speed[1:]))[0] for s in shares], axis=1)
         times = trajectory.times[:-1, None] + shares * steps
-        return cls(times.ravel(), points.reshape(-1, 3), np.repeat(np.arange(count), SAMPLES), trajectory.owners, place)
+        return cls(times.ravel(), points.reshape(-1, 3), np.repeat(np.arange(count), samples), trajectory.owners, place, samples)
 
 
 @dataclass(frozen=True)
@@ -205,8 +210,8 @@ class Surroundings:
         for k, kept in enumerate(self.kept):
             distances, away, lacks = self._measure(kept, path)
             own = {int(ends[phase]) for phase, target in enumerate(self.problem.targets) if same_place(target.plane, kept.solid.plane)}
-            nearest = np.argmin(np.where(np.isfinite(lacks), distances, np.inf).reshape(-1, SAMPLES), axis=1)
-            for interval, sample in enumerate(interval * SAMPLES + step for interval, step in enumerate(nearest)):
+            nearest = np.argmin(np.where(np.isfinite(lacks), distances, np.inf).reshape(-1, path.samples), axis=1)
+            for interval, sample in enumerate(interval * path.samples + step for interval, step in enumerate(nearest)):
                 reach = REACH + 0.5 * float(np.linalg.norm(path.nodes[interval + 1] - path.nodes[interval]))
                 if not -lacks[sample] < reach:
                     continue
@@ -258,8 +263,12 @@ class Surroundings:
                     raise PlanningError(problem.track, target.waypoint, f"its opening is blocked by {kept.solid.name}")
 
     def _measure(self, kept: Kept, path: Path) -> tuple[Floats, Floats, Floats]:
-        """Distances, outward directions, and what is lacking; -inf within the gate's own opening."""
-        distances, away = kept.solid.measure(path.points)
+        """Distances (infinite where it is far), outward directions, and what is lacking; -inf within the gate's own opening."""
+        longest = float(np.linalg.norm(np.diff(path.nodes, axis=0), axis=1).max())
+        distances, away = np.full(len(path.points), np.inf), np.zeros_like(path.points)
+        near = kept.solid.near(path.points, kept.margin + REACH + longest)
+        if near.any():
+            distances[near], away[near] = kept.solid.measure(path.points[near])
         lacks = kept.margins(path.points) - distances
         return distances, away, np.where(self._within(kept.solid.plane)[path.owners[path.intervals]], -np.inf, lacks)
 
