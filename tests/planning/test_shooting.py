@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.minimum_time import model_parameters
 from hotlap.planning.problem import Problem, Trajectory
 from hotlap.planning.shooting import Shooting
@@ -14,7 +15,15 @@ from hotlap.planning.stage import point_mass_stage, quadrotor_stage
 from . import small
 
 PHASES, INTERVALS = 2, 3
+ROWS = LinearRows.joined([
+    LinearRows.of(2, np.array([[1.0, 2.0, 0.0], [0.0, -1.0, 3.0]]), -np.inf, 1.0),
+    LinearRows.of(5, np.array([0.0, 1.0, 0.0, 0.5, 0.0, -2.0]), 0.1, 0.1),
+])  # fmt: skip
 PROGRAMS = {
+    "phases of their own length, with linear rows": (
+        Shooting(point_mass_stage(), PHASES, INTERVALS, thrust_ball=True, counts=(4, 1), linear=ROWS),
+        np.array([9.81, 0.3]),
+    ),
     "point mass": (Shooting(point_mass_stage(), PHASES, INTERVALS, thrust_ball=True), np.array([9.81, 0.3])),
     "quadrotor": (Shooting(quadrotor_stage(), PHASES, INTERVALS), model_parameters(Problem.of(small.RACES["drag"]))),
 }
@@ -73,13 +82,16 @@ def test_constraints_vanish_on_a_flight_through_the_waypoints(shooting, model):
     rng = np.random.default_rng(6)
     states, controls, durations = (
         [np.abs(rng.normal(size=shooting.stage.nx))],
-        rng.uniform(1, 2, (6, shooting.stage.nu)),
+        rng.uniform(1, 2, (shooting.total, shooting.stage.nu)),
         np.array([0.3, 0.6]),
     )
-    for control, step in zip(controls, np.repeat(durations / INTERVALS, INTERVALS), strict=True):
+    for control, step in zip(controls, Trajectory(durations, controls, controls, shooting.counts).steps, strict=True):
         states.append(np.asarray(shooting.stage.step(states[-1], control, step, model)).ravel())
-    flight = Trajectory(durations, np.array(states), controls)
+    flight = Trajectory(durations, np.array(states), controls, shooting.counts)
     constraints, _ = jacobian(shooting, shooting.pack(flight), shooting.parameters(flight.states[flight.ends, :3], model))
     assert_allclose(constraints[: shooting.gap_rows + PHASES], 0.0, atol=1e-12)
     if shooting.thrust_ball:
-        assert_allclose(constraints[-6:], (controls**2).sum(axis=1))
+        rows = constraints[shooting.gap_rows + PHASES : shooting.nonlinear_rows]
+        assert_allclose(rows, (controls**2).sum(axis=1))
+    linear = (flight.states[shooting.linear.nodes, :6] * shooting.linear.coefficients).sum(axis=1)
+    assert_allclose(constraints[shooting.nonlinear_rows :], linear)
