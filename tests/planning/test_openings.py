@@ -124,7 +124,15 @@ def test_a_clearance_is_kept_from_the_rim():
     places = states_at(problem, trajectory, gate_times(problem, trajectory))[0][:, :3]
     for gate, place in zip(race.track.counted, places, strict=True):
         plane = plane_of(gate, 0.2)
+        assert plane is not None
         assert plane.rim_distance(plane.to_gate(place)[1:]) < -(RADIUS + plane.room) / 2 + 1e-3
+
+
+@pytest.mark.check
+def test_a_gate_that_is_walled_in_is_refused_by_what_is_in_the_way():
+    walls = [{"low": (3.0, -50.0, -50.0), "high": (4.0, 50.0, 50.0)}]
+    with pytest.raises(PlanningError, match="gate 1: no way to it was found; the best one touches box 1"):
+        plan(make_race(LAST, boxes=tuple(walls), planning={"nodes": 4}), cache=False)
 
 
 REFUSED = {
@@ -139,9 +147,9 @@ REFUSED = {
         make_race((5.0, 0.0, 1.5), poles=({"position": (5.0, 0.0), "radius": 0.5},)),
         "gate 1: its middle is 0 m from pole 1",
     ),
-    "a gate behind a wall": (
-        make_race(LAST, boxes=({"low": (3.0, -50.0, -50.0), "high": (4.0, 50.0, 50.0)},), planning={"nodes": 4}),
-        "gate 1: no way to it was found; the best one touches box 1",
+    "an opening that is blocked": (
+        make_race(LAST, SQUARE, boxes=({"low": (4.9, -0.6, 0.8), "high": (5.1, 0.6, 2.2)},)),
+        "gate 2: its opening is blocked by box 1",
     ),
 }
 
@@ -172,13 +180,14 @@ def test_the_direction_of_a_gate_changes_the_plan():
 def test_a_mirrored_track_takes_as_long():
     race = RACES["in line"]
     across = np.array([1.0, -1.0, 1.0])
-    gates = [gate.model_copy(update={"position": tuple(gate.position * across), "yaw": -gate.yaw}) for gate in race.track.gates]
+    gates = [gate.model_copy(update={"position": tuple(gate.position * across), "yaw": -(gate.yaw or 0.0)}) for gate in race.track.gates]
     mirrored = race.model_copy(update={"track": race.track.model_copy(update={"gates": tuple(gates)})})
     assert find_plan(Problem.of(mirrored)).duration == pytest.approx(planned("in line")[2].duration, rel=2e-3)
 
 
 def test_the_cache_tells_tracks_apart_by_what_stands_on_them():
     problem = Problem.of(RACES["obstacles in line"])
+    assert problem.course is not None
     renamed = dataclasses.replace(problem, course=problem.course.model_copy(update={"name": "other"}))
     moved = dataclasses.replace(problem, course=problem.course.model_copy(update={"poles": ()}))
     assert key(renamed) == key(problem) != key(moved)

@@ -81,6 +81,7 @@ def test_distances_are_those_measured_by_hand():
 def test_the_middle_of_an_opening_is_as_far_from_its_frame_as_there_is_room():
     for gate, solid in zip(TRACK.gates, [solid for solid in solids_of(TRACK, 0.2) if solid.plane], strict=True):
         plane = plane_of(gate, 0.2)
+        assert plane is not None
         middle = plane.centre + plane.rotation[:, 1:] @ plane.middle[0]
         assert_allclose(solid.measure(middle[None])[0], plane.room)
 
@@ -95,5 +96,6 @@ def test_gates_at_the_same_place_have_one_frame():
 
 def test_a_plug_fills_the_opening():
     plane = plane_of(TRACK.gates[0], 0.2)
+    assert plane is not None
     distances = plug("gate 1", plane).measure(plane.centre + np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.6]]))[0]
     assert_allclose(distances, [-0.05, 0.1])

@@ -16,7 +16,7 @@ from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.problem import Trajectory
 from hotlap.planning.surroundings import DEEP, Fault, Path, Surroundings
 
-ROUNDS = 6
+ROUNDS, SHRINKS = 6, 2
 CLOSED = 1e-3  # largest gap of the equations of motion in a trajectory that counts as one
 
 Solve = Callable[[Trajectory, LinearRows], Solution]
@@ -65,10 +65,15 @@ def search_clear(surroundings: Surroundings, solve: Solve, guess: Trajectory, *,
         led: whether the guess itself keeps clear, so that rows can be made around it.
     """
     rows = surroundings.rows(Path.of(guess)) if led else LinearRows.none()
-    solution, faults = solve(guess, rows), list[Fault]()
+    solution, faults, shrinks = solve(guess, rows), list[Fault](), 0
     for _ in range(ROUNDS):
-        if not solution.converged:
+        if not solution.converged and (not rows.count or shrinks == SHRINKS or surroundings.problem.clearance_given):
             return Clear(solution, surroundings, surroundings.faults(Path.of(solution.trajectory)))
+        if not solution.converged:
+            surroundings, shrinks = surroundings.shrunk(), shrinks + 1
+            rows = surroundings.rows(Path.of(guess))
+            solution = solve(guess, rows)
+            continue
         path = Path.of(solution.trajectory)
         surroundings = surroundings.with_plugs(path)
         faults = surroundings.faults(path)
@@ -76,7 +81,8 @@ def search_clear(surroundings: Surroundings, solve: Solve, guess: Trajectory, *,
             break
         guess = led_around(surroundings, solution.trajectory, faults)
         surroundings = surroundings.with_extra([fault for fault in faults if not _deep(surroundings, fault)])
-        solution = solve(guess, surroundings.rows(Path.of(guess)))
+        rows = surroundings.rows(Path.of(guess))
+        solution = solve(guess, rows)
     return Clear(solution, surroundings, faults)
 
 

@@ -43,6 +43,7 @@ class Problem:
         end_at_rest: whether the plan ends at rest, level.
         radius: [m] of the vehicle.
         clearance: [m] wanted beside it.
+        clearance_given: whether somebody asked for it.
         walls: shape (2, 3) [m] (world) least and largest coordinates; infinite where there is no wall.
         course: the track, where it has more than points: gates with directions or frames, obstacles.
         dynamics: what the plan knows of the quadrotor; with "full" the quadrotor's own drags, motors and rate loop count.
@@ -63,6 +64,7 @@ class Problem:
     end_at_rest: bool
     radius: float
     clearance: float
+    clearance_given: bool
     walls: Floats
     course: Track | None
     dynamics: PlanDynamics
@@ -95,6 +97,7 @@ class Problem:
             end_at_rest=track.end_at_rest,
             radius=race.vehicle.outer_radius,
             clearance=race.vehicle.outer_radius if settings.clearance is None else settings.clearance,
+            clearance_given=settings.clearance is not None,
             walls=_walls(track),
             course=track if any(plane_of(gate, 1.0) for gate in track.gates) or track.poles or track.spheres or track.boxes else None,
             dynamics=settings.dynamics,

@@ -23,10 +23,12 @@ from hotlap.reference.encounters import find_crossings
 SAMPLES = 24  # of an interval
 REACH = 0.3  # m beyond the margin within which a solid is looked at, and half of an interval's length
 SLACK = 0.02  # m that a path may come nearer than it should
-GIVEN = 0.3  # share of the clearance that a path may come nearer
+GIVEN = 0.3  # share of a clearance that nobody asked for by which a path may come nearer
+SHRUNK = 0.4  # of such a clearance, where there is no way with all of it
 EXTRA = 0.005  # m added to what a path came too near
 SLOPE = 0.3  # by which a margin that had to be made smaller grows with the distance from there
 PLUGGED = 0.05  # m kept from an opening that must not be crossed
+WIDEST, SPREAD = 3.0, 25  # rooms of an opening to each side of its middle, and places across, that are looked at
 DEEP = 0.3  # share of the margin: a path that comes nearer is led around anew
 
 
@@ -39,12 +41,14 @@ class Kept:
         margin: [m] to be kept by the vehicle's centre.
         least: [m] that must be kept.
         anchors: places (3,) (world) of start and targets that are nearer than the margin, each with its distance [m].
+        tolerance: [m] by which a path may be nearer.
     """
 
     solid: Solid
     margin: float
     least: float
     anchors: tuple[tuple[Floats, float], ...]
+    tolerance: float
 
     @classmethod
     def of(cls, problem: Problem, solid: Solid, margin: float, least: float) -> Kept:
@@ -57,7 +61,8 @@ class Kept:
                 distance = smallest
             if distance < margin:
                 anchors.append((place, distance))
-        return cls(solid, margin, least, tuple(anchors))
+        given = 0.0 if problem.clearance_given else GIVEN * (margin - least)
+        return cls(solid, margin, least, tuple(anchors), max(SLACK, given))
 
     def margins(self, points: Floats) -> Floats:
         """[m] to be kept at points (n, 3): less near to start and targets that are nearer themselves."""
@@ -70,11 +75,6 @@ class Kept:
     def slack(self) -> float:
         """[m] by which straight ways around it may be nearer."""
         return min(2 * SLACK, 0.4 * self.margin)
-
-    @property
-    def tolerance(self) -> float:
-        """[m] by which a path may be nearer."""
-        return max(SLACK, GIVEN * (self.margin - self.least))
 
 
 @dataclass(frozen=True)
@@ -189,6 +189,11 @@ class Surroundings:
             extra[fault.kept, fault.phase] = extra.get((fault.kept, fault.phase), 0.0) + fault.lack + EXTRA
         return replace(self, extra=extra)
 
+    def shrunk(self) -> Surroundings:
+        """The same with a smaller clearance."""
+        kept = [replace(kept, margin=kept.least + SHRUNK * (kept.margin - kept.least)) for kept in self.kept]
+        return Surroundings(self.problem, tuple(kept))
+
     def without_extra(self) -> Surroundings:
         """The same, with the margins of the beginning."""
         return replace(self, extra={})
@@ -230,7 +235,7 @@ class Surroundings:
         return places[self.lacks(places)[0] <= 0] if len(places) else places
 
     def refuse_blocked(self) -> None:
-        """Refuse a start, end or ball in which the vehicle touches something.
+        """Refuse a start, end or ball in which the vehicle touches something, and an opening in which it does everywhere.
 
         Raises:
             PlanningError: naming both.
@@ -246,6 +251,11 @@ class Surroundings:
                         f"{what} is {max(distance, 0):.3g} m from {kept.solid.name}, and the vehicle needs its radius of {kept.least:.3g} m"
                     )
                     raise PlanningError(problem.track, where, reason)
+            for target in problem.targets:
+                if target.plane is None or same_place(target.plane, kept.solid.plane):
+                    continue
+                if (kept.solid.measure(_spread(target.plane, target.inset) + target.along * target.plane.normal)[0] < kept.least).all():
+                    raise PlanningError(problem.track, target.waypoint, f"its opening is blocked by {kept.solid.name}")
 
     def _measure(self, kept: Kept, path: Path) -> tuple[Floats, Floats, Floats]:
         """Distances, outward directions, and what is lacking; -inf within the gate's own opening."""
@@ -256,3 +266,12 @@ class Surroundings:
     def _within(self, plane: GatePlane | None) -> np.ndarray:
         """Whether each phase leads through the opening of a plane, shape (M,)."""
         return np.array([target.inside and same_place(target.plane, plane) for target in self.problem.targets])
+
+
+def _spread(plane: GatePlane, inset: float) -> Floats:
+    """Places (n, 3) [m] (world) all over an opening less an inset [m]."""
+    middle, room = plane.middle
+    ticks = np.linspace(-WIDEST * room, WIDEST * room, SPREAD)
+    flat = middle + np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
+    flat = np.vstack([middle, flat[plane.rim_distance(flat) <= -inset]])
+    return plane.centre + flat @ plane.rotation[:, 1:].T

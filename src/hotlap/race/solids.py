@@ -181,6 +181,34 @@ class Polygon:
 
 
 @dataclass(frozen=True)
+class Band:
+    """The section between two polygons.
+
+    Attributes:
+        inner: the hole.
+        outer: the edge.
+    """
+
+    inner: Polygon
+    outer: Polygon
+
+    @property
+    def size(self) -> float:
+        """As of every section."""
+        return self.outer.size
+
+    def measure(self, points: Floats) -> tuple[Floats, Floats]:
+        """As of every section."""
+        hole, inwards = self.inner.measure(points)
+        out, outwards = self.outer.measure(points)
+        return np.maximum(-hole, out), np.where((-hole > out)[:, None], -inwards, outwards)
+
+    def around(self, distance: float) -> Floats:
+        """As of every section."""
+        return self.outer.around(distance)
+
+
+@dataclass(frozen=True)
 class Prism:
     """A section on a length.
 
@@ -279,7 +307,7 @@ class Solid:
             rim = np.vstack([rim, (rim + np.roll(rim, -1, axis=0)) / 2])
         shift = (plane.depth / 2 + 1.1 * distance) * plane.normal
         middle = plane.centre + plane.rotation[:, 1:] @ plane.middle[0]
-        return np.vstack([rim - shift, rim, rim + shift, middle - 1.5 * shift, middle + 1.5 * shift])
+        return np.vstack([rim - shift, rim + shift, middle - 1.5 * shift, middle + 1.5 * shift])
 
 
 def solids_of(track: Track, free_radius: float) -> tuple[Solid, ...]:
@@ -356,13 +384,11 @@ def _box(box: Box) -> Prism:
 
 
 def _frame(plane: GatePlane) -> tuple[Body, ...]:
-    """A ring, or a bar along each edge."""
+    """Between the rim and the outer edge."""
     if not len(plane.corners):
         return (Prism(plane.centre, plane.rotation, Ring(plane.radius, plane.radius + plane.frame), plane.depth / 2),)
-    outer = plane.to_gate(plane.outline(plane.frame))[:, 1:]
-    behind, beyond = np.roll(plane.corners, -1, axis=0), np.roll(outer, -1, axis=0)
-    bars = np.stack([plane.corners, outer, beyond, behind], axis=1)
-    return tuple(Prism(plane.centre, plane.rotation, Polygon(bar), plane.depth / 2) for bar in bars)
+    band = Band(Polygon(plane.corners), Polygon(plane.to_gate(plane.outline(plane.frame))[:, 1:]))
+    return (Prism(plane.centre, plane.rotation, band, plane.depth / 2),)
 
 
 def _units(vectors: Floats, norms: Floats) -> Floats:
