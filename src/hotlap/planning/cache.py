@@ -29,6 +29,7 @@ SOURCES = (
     "hotlap.race.gate_plane",
     "hotlap.race.obstacles",
     "hotlap.race.track",
+    "hotlap.race.bodies",
     "hotlap.race.solids",
     "hotlap.reference.encounters",
     "hotlap.reference.reference",
