@@ -11,7 +11,7 @@ from hotlap.api.flown import COLUMNS
 from hotlap.core.seeds import Stream, flight_seeds
 
 pytestmark = pytest.mark.usefixtures("faked")
-KEYS = {"seed", "completion", "lap_time", "cost", "end", "failed_segment", "mean_error", "max_error"}
+KEYS = {"seed", "completion", "lap_time", "cost", "end", "ending", "cause", "failed_segment", "mean_error", "max_error"}
 
 
 def test_tuned_parameters_fly_better_than_the_default_ones(hotlap):
@@ -34,6 +34,8 @@ def test_json_has_a_row_for_each_flight_with_null_for_what_is_not_there(hotlap):
     for row in rows:
         complete = row["end"] == "finished"
         assert (row["completion"] == 1, row["failed_segment"] is None, row["lap_time"] is not None) == (complete,) * 3
+        assert row["ending"].startswith("all" if complete else "missed gate")
+        assert row["cause"] is None
 
 
 def test_people_read_how_many_held_and_where_the_others_ended(hotlap):
