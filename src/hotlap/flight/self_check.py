@@ -217,9 +217,7 @@ def make_scenario(kind: ControllerKind) -> Scenario:
     attitude, thrust, unknown = np.tile([1.0, 0.0, 0.0, 0.0], (rows, 1)), np.full(rows, DRONE.gravity), np.full((rows, 4), np.nan)
     reference = Reference(position, attitude, zeros, zeros, thrust, unknown, end - PERIOD * np.array([0.5, 0.25, 0.0]), end)
     track = Track(name="self-check", start=(0.0, 0.0, 0.0), gates=GATES, poles=(POLE,))
-    settings, judge = (
-        ControllerSettings(kind=kind, nodes=NODES, horizon_unit=HORIZON_UNIT),
-        JudgeSettings(rule=GateRule.OPENING, window=(end, 0.0), fly_on=True),
-    )
+    settings = ControllerSettings(kind=kind, nodes=NODES, horizon_unit=HORIZON_UNIT)
+    judge = JudgeSettings(rule=GateRule.OPENING, window=(end, 0.0), fly_on=True)
     race = Race(name="self-check", track=track, vehicle=DRONE, controller=settings, noise=NOISE, judge=judge)
     return Scenario(race, reference, Segments(np.array([0.0, end / 4]), (SegmentClass.FLAT, SegmentClass.FLAT), end))
