@@ -63,16 +63,23 @@ def _read_field(context: Any, builder: Any, lent: Lent, value: Any, name: str) -
 
 @intrinsic
 def _lend(typing: Any, memory: Any) -> Any:
-    """The tuples are put into the frame of the function that calls this; so it cannot be an overload, which has a frame of its own."""
+    """The tuple is put into the frame of the function that calls this; so it cannot be an overload, which has a frame of its own."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> ir.Value:
+        return cgutils.alloca_once_value(builder, arguments[0])
+
+    return Lent(memory)(memory), generate
+
+
+@intrinsic
+def _lend_parts(typing: Any, memory: Any) -> Any:
     kinds = [Lent(kind) if isinstance(kind, types.BaseNamedTuple) else kind for kind in memory.types]
     result = types.NamedTuple(kinds, memory.instance_class)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> ir.Value:
-        parts = zip(memory.types, cgutils.unpack_tuple(builder, arguments[0], len(kinds)), strict=True)
+        parts = zip(kinds, cgutils.unpack_tuple(builder, arguments[0], len(kinds)), strict=True)
         lent = [
-            cgutils.alloca_once_value(builder, part)
-            if isinstance(kind, types.BaseNamedTuple)
-            else without_owners(context, builder, kind, part)
+            cgutils.alloca_once_value(builder, part) if isinstance(kind, Lent) else without_owners(context, builder, kind, part)
             for kind, part in parts
         ]
         return context.make_tuple(builder, result, lent)
@@ -85,4 +92,6 @@ def _hand_on(memory: Any) -> Any:
 
 
 lend: Any = _hand_on if config.DISABLE_JIT else _lend
-"""A named tuple whose arrays know no owner, and whose named tuples are pointers; valid until the function that calls this returns."""
+"""A named tuple as one pointer, valid until the function that calls this returns; the caller must keep the arrays."""
+lend_parts: Any = _hand_on if config.DISABLE_JIT else _lend_parts
+"""A named tuple whose arrays know no owner, as `borrow` gives it, and of which the named tuples within are lent."""
