@@ -25,6 +25,7 @@ def decide_by_openings(v: Verdicts, i: int, g: Gates, start: float, before: Any,
     while v.opened[i] <= last and g.closes[v.opened[i]] < start:
         v.opened[i] += 1
     length = (now[0] - before[0]) ** 2 + (now[1] - before[1]) ** 2 + (now[2] - before[2]) ** 2
+    far = math.sqrt(length)
     for k in range(v.opened[i], last + 1):
         if g.opens[k] > time:
             waiting = True
@@ -33,7 +34,7 @@ def decide_by_openings(v: Verdicts, i: int, g: Gates, start: float, before: Any,
         if g.openings.kinds[k] == BALL:
             turn = _near_ball(v, i, g, k, turn, start, before, time, now)
         elif k > v.gates_passed[i] or _awaited(v, i, k):
-            turn = _through_plane(v, i, g, k, turn, start, before, time, now)
+            turn = _through_plane(v, i, g, k, turn, start, before, time, now, far)
         if g.closes[k] <= time:
             _close(v, i, k, time, now)
         elif g.openings.kinds[k] == BALL or math.isnan(v.rim_distance[i, k]):
@@ -50,10 +51,12 @@ def _awaited(v: Verdicts, i: int, k: int) -> bool:
 
 
 @njit(**INLINE)
-def _through_plane(v: Verdicts, i: int, g: Gates, k: int, turn: float, start: float, before: Any, time: float, now: Any) -> float:
-    """Look for a passage of gate k; returns the time from which on the next gate may be passed [s]."""
+def _through_plane(
+    v: Verdicts, i: int, g: Gates, k: int, turn: float, start: float, before: Any, time: float, now: Any, length: float
+) -> float:
+    """Look for a passage of gate k by a straight line of a length [m]; returns the time from which on the next gate may be passed [s]."""
     o = g.openings
-    share, rim, way, apart = meet(o, k, v.entered[i], v.worst[i], before, now)
+    share, rim, way, apart = meet(o, k, v.entered[i], v.worst[i], before, now, length)
     moment = start + share * (time - start)
     if share > 1 or moment < turn or moment < g.opens[k] or moment > g.closes[k]:
         return turn

@@ -150,7 +150,7 @@ NO_OPENINGS = _none()
 
 
 @njit(**INLINE)
-def meet(o: Openings, k: int, entered: Any, worst: Any, before: Any, now: Any) -> Any:
+def meet(o: Openings, k: int, entered: Any, worst: Any, before: Any, now: Any, length: float) -> Any:
     """Whether a straight line passes the far end of gate k, in a direction that counts.
 
     Args:
@@ -160,13 +160,17 @@ def meet(o: Openings, k: int, entered: Any, worst: Any, before: Any, now: Any) -
         worst: (M,) [m] largest distance from the rim since then, likewise.
         before: [m] (world) where the line begins.
         now: [m] (world) where it ends.
+        length: [m] of the line.
 
     Returns:
         Share of the line at which it leaves the gate, 2 where it does not; signed distance from the rim with the vehicle's size, in a
         tunnel the largest [m]; the way, 1 or -1; and the distance from where the reference crosses [m].
     """
-    p, half = o.planes, o.planes.halves[k]
-    a, b, way = reach(p, k, 0, before), reach(p, k, 0, now), 1.0
+    p, half, way = o.planes, o.planes.halves[k], 1.0
+    a = reach(p, k, 0, before)
+    if abs(a) > half + 2.0 * length:  # too far away, as most gates are; twice, for rounding
+        return 2.0, 0.0, way, 0.0
+    b = reach(p, k, 0, now)
     if o.kinds[k] == EITHER_WAY and b < a:
         a, b, way = -a, -b, -1.0
     if not a < half <= b:
