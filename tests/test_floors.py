@@ -15,7 +15,8 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
     {"race"},
     {"reference"},
     {"files", "flight"},
-    {"planning", "worlds", "tuners", "importers"},
+    {"references"},
+    {"planning", "feasibility", "worlds", "tuners", "importers"},
     {"tuning", "first_guess"},
     {"study", "optuna"},
     {"analysis", "exporters"},
@@ -25,10 +26,14 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
 )
 STRANGERS = {  # packages that do not know each other although their floors would allow it
     "planning": {"flight"},
-    "worlds": {"files"},
-    "tuners": {"system", "dynamics", "race", "reference", "files", "flight"},
-    "tuning": {"files", "planning", "flight"},
-    "optuna": {"system", "dynamics", "race", "reference", "files", "flight", "planning", "worlds", "tuning", "first_guess"},
+    "references": {"flight"},
+    "feasibility": {"flight"},
+    "importers": {"flight", "references"},
+    "worlds": {"files", "references"},
+    "tuners": {"system", "dynamics", "race", "reference", "files", "flight", "references"},
+    "tuning": {"files", "references", "planning", "feasibility", "flight"},
+    "optuna": {"system", "dynamics", "race", "reference", "files", "flight", "references"}
+    | {"planning", "feasibility", "worlds", "importers", "tuning", "first_guess"},
 }
 FLOOR_OF = {package: floor for floor, packages in enumerate(FLOORS) for package in packages}
 PUBLIC_FACE = {"__init__.py", "__main__.py"}

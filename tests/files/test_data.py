@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from hotlap.feasibility import describe
+from hotlap.feasibility.race import unknown_latency
 from hotlap.files.descriptions import Kind, load_quadrotor, load_race, load_track, names
-from hotlap.planning.feasibility import describe
-from hotlap.planning.race_feasibility import unknown_latency
 from hotlap.race.gate_plane import plane_of
 from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, NoiseSettings, PlanDynamics
 

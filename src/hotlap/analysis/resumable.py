@@ -20,7 +20,7 @@ from hotlap.system.processors import available
 
 SOURCES = tuple(  # packages that decide about a flight, and so about all that is computed from flights
     f"hotlap.{name}"
-    for name in ("core", "dynamics", "race", "reference", "flight", "planning", "worlds", "tuners", "tuning", "first_guess")
+    for name in ("core", "dynamics", "race", "reference", "references", "flight", "planning", "worlds", "tuners", "tuning", "first_guess")
 )
 
 Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]

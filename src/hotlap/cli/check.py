@@ -13,8 +13,8 @@ from hotlap.api.checking import check
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import present, table
 from hotlap.cli.progress import TERMINAL
+from hotlap.feasibility.finding import Finding, Level
 from hotlap.files.descriptions import Kind
-from hotlap.planning.finding import Finding, Level
 from hotlap.race.track import Track
 
 WIDEST = 100  # columns of a map

@@ -12,11 +12,12 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from hotlap.core.errors import InputError
-from hotlap.planning import reference_csv, reference_table
-from hotlap.planning.reference_csv import COLUMNS, load_reference, save_reference
-from hotlap.planning.run_out import extend
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
+from hotlap.reference.run_out import extend
+from hotlap.references import table as reference_table
+from hotlap.references.csv import COLUMNS, load_reference, save_reference
+from hotlap.references.resampling import resample
 from planning import small
 
 Table = dict[str, list[str]]
@@ -112,7 +113,7 @@ def test_positions_between_coarse_rows_follow_cubics_exactly():
     values[:, 4] = 1.0
     values[:, 1], values[:, 8] = times**3 - times**2, 3 * times**2 - 2 * times
     at = np.linspace(0, 0.4, 33)
-    assert_allclose(reference_csv._resample(times, values, at)[:, 1], at**3 - at**2, atol=1e-14)
+    assert_allclose(resample(times, values, at)[:, 1], at**3 - at**2, atol=1e-14)
 
 
 def test_an_index_in_front_more_columns_behind_and_another_order_change_nothing(path, reference):

@@ -13,14 +13,14 @@ from numpy.testing import assert_allclose
 
 from hotlap.core.errors import InputError
 from hotlap.files.descriptions import load_quadrotor
-from hotlap.planning import flatness
-from hotlap.planning.attitude import CONJUGATE, product, rotate, thrust_axis
-from hotlap.planning.reference_csv import COLUMNS, ReadReference, read_reference, save_reference
-from hotlap.planning.run_out import extend
-from hotlap.planning.thrust_vectors import planned_thrust
 from hotlap.race.race import PlanDynamics, Race
 from hotlap.race.track import Gate
+from hotlap.reference.attitude import CONJUGATE, product, rotate, thrust_axis
 from hotlap.reference.reference import Reference, row_times
+from hotlap.reference.run_out import extend
+from hotlap.references import flatness
+from hotlap.references.csv import COLUMNS, ReadReference, read_reference, save_reference
+from hotlap.references.thrust_vectors import planned_thrust
 from planning import small
 
 Columns = dict[str, np.ndarray]

@@ -1,4 +1,4 @@
-"""Reference checks: whether the columns of a file belong to each other, and if not, what they look like.
+"""Checks: whether the columns of a file belong to each other, and if not, what they look like.
 
 Positions are taken as they are. Velocities have to be their derivative, rates have to belong to the attitudes, and the thrust axis of the
 attitudes has to point where the accelerations need it. Differences are taken over 50 ms, so that rounded or measured values pass.
@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
-from hotlap.planning.attitude import CONJUGATE, continuous, rotate, thrust_axis, turn_rates
-from hotlap.planning.reference_columns import GROUPS
-from hotlap.planning.reference_table import ACCELERATION, ANGLES, ATTITUDE, LEAST_ROWS, POSITION, RATES, THRUSTS, TIME, VELOCITY, Table
 from hotlap.race.track import REACH
+from hotlap.reference.attitude import CONJUGATE, continuous, rotate, thrust_axis, turn_rates
 from hotlap.reference.reference import PERIOD
+from hotlap.references.columns import GROUPS
+from hotlap.references.table import ACCELERATION, ANGLES, ATTITUDE, LEAST_ROWS, POSITION, RATES, THRUSTS, TIME, VELOCITY, Table
 
 Floats = NDArray[np.float64]
 
