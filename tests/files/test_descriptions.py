@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.core.renamed import RenamedWarning
 from hotlap.files import descriptions, toml_writer
-from hotlap.files.descriptions import TYPES, Kind, load, load_quadrotor, load_race, load_track, names, save
+from hotlap.files.descriptions import Kind, load, load_quadrotor, load_race, load_track, names, save
 from hotlap.files.documented_keys import documented_keys
+from hotlap.files.recognition import TYPES
 from hotlap.race.race import GateRule
 from hotlap.system.text_files import create
 

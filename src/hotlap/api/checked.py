@@ -18,7 +18,8 @@ from hotlap.core.errors import InputError, PlanningError
 from hotlap.feasibility import Finding, Level, describe
 from hotlap.feasibility.flown import describe_flown
 from hotlap.feasibility.race import describe_race
-from hotlap.files.descriptions import TYPES, Description, Kind, load
+from hotlap.files.descriptions import Description, Kind, load
+from hotlap.files.recognition import TYPES
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.track import Track
