@@ -96,12 +96,11 @@ def lag(vehicle):
 def test_the_real_suite_has_openings_and_one_setting_for_all(name):
     race, base = load_race(name), load_race("real-circle")
     assert race.judge.rule is GateRule.OPENING
-    assert race.planning.model_copy(update={"nodes": base.planning.nodes}) == base.planning
+    assert race.planning.model_copy(update={"nodes": base.planning.nodes, "v_max": base.planning.v_max}) == base.planning
+    assert race.controller.lag_lead == 0.5
     assert race.planning.dynamics is PlanDynamics.FULL
     assert race.noise == NoiseSettings()
-    known = race.control_model.model_copy(update={"delay": race.vehicle.delay, "name": race.vehicle.name})
-    assert known == race.vehicle, "controller and planner know the vehicle"
-    assert race.control_model.delay == pytest.approx(race.vehicle.delay + 0.5 * lag(race.vehicle), abs=1e-3)
+    assert race.control_model == race.vehicle, "controller and planner know the vehicle"
     vehicle = load_quadrotor("airsim-122m") if "airsim" in name else load_quadrotor("hummingbird").model_copy(update={"delay": 0.045})
     assert race.vehicle == vehicle
     assert race.controller.thrust[1] == pytest.approx(race.vehicle.max_acceleration, rel=2e-3)
