@@ -87,20 +87,16 @@ def test_what_reproduces_the_paper_has_its_gates_and_its_planning_model(name):
     assert race.planning.dynamics is PlanDynamics.IDEAL
 
 
-def lag(vehicle):
-    """[s] of motors and rate loop."""
-    return sum(vehicle.motor_time) / 2 + 1 / vehicle.rate_gain[0]
-
-
 @pytest.mark.parametrize("name", REAL)
 def test_the_real_suite_has_openings_and_one_setting_for_all(name):
     race, base = load_race(name), load_race("real-circle")
     assert race.judge.rule is GateRule.OPENING
-    assert race.planning.model_copy(update={"nodes": base.planning.nodes}) == base.planning
+    assert race.planning.model_copy(update={"nodes": base.planning.nodes, "v_max": base.planning.v_max}) == base.planning
+    assert race.controller.lag_lead == 0.5
+    assert (race.planning.v_max is None) == ("airsim" in name)
     assert race.planning.dynamics is PlanDynamics.FULL
     assert race.noise == NoiseSettings()
     assert race.control_model == race.vehicle, "controller and planner know the vehicle"
-    assert race.prediction == pytest.approx(race.vehicle.delay + 0.5 * lag(race.vehicle), abs=1e-3)
     vehicle = load_quadrotor("airsim-122m") if "airsim" in name else load_quadrotor("hummingbird").model_copy(update={"delay": 0.045})
     assert race.vehicle == vehicle
     assert race.controller.thrust[1] == pytest.approx(race.vehicle.max_acceleration, rel=2e-3)
