@@ -11,7 +11,7 @@ from hotlap.api.flown import COLUMNS
 from hotlap.core.seeds import Stream, flight_seeds
 
 pytestmark = pytest.mark.usefixtures("faked")
-KEYS = {"seed", "completion", "lap_time", "cost", "end", "failed_segment", "mean_error", "max_error"}
+KEYS = {"seed", "completion", "lap_time", "cost", "end", "ending", "cause", "failed_segment", "mean_error", "max_error"}
 
 
 def test_tuned_parameters_fly_better_than_the_default_ones(hotlap):
