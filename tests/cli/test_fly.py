@@ -34,6 +34,8 @@ def test_json_has_a_row_for_each_flight_with_null_for_what_is_not_there(hotlap):
     for row in rows:
         complete = row["end"] == "finished"
         assert (row["completion"] == 1, row["failed_segment"] is None, row["lap_time"] is not None) == (complete,) * 3
+        assert row["ending"].startswith("all" if complete else "missed gate")
+        assert row["cause"] is None
 
 
 def test_people_read_how_many_held_and_where_the_others_ended(hotlap):

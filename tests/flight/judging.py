@@ -9,6 +9,7 @@ import numpy as np
 
 from hotlap.core.records import Cause, End
 from hotlap.flight.judge import Gates, Verdicts, gates_of, judge, new_verdicts
+from hotlap.flight.lending import lend
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.race.track import Track
 from hotlap.reference.reference import PERIOD, Reference
@@ -21,7 +22,7 @@ Path = Callable[[float], Any]
 @kept
 def judge_one(v: Verdicts, g: Gates, start: float, before: Any, time: float, now: Any, reference: Any, rate: float) -> bool:
     """Judge a period of flight 1."""
-    return judge(v, 1, g, start, before, time, now, reference, rate)
+    return judge(v, 1, lend(g), start, before, time, now, reference, rate)
 
 
 def reference_of(path: Path, times: Any, last: float) -> Reference:

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from hotlap.core.records import End
+from hotlap.core.records import Cause, End
 from hotlap.flight.judge import Verdicts, gates_of, new_verdicts
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.race.track import Gate, Track
 
-from .judging import judge_one, outcome, place, reference_of
+from .judging import crash, judge_one, outcome, place, reference_of
 
 GATES = np.array([[2.0, 0, 0], [4.0, 0, 0], [6.0, 0, 0]])
 TIMES = np.array([1.0, 2.0, 3.0])  # the reference flies at 2 m/s along x
@@ -108,6 +108,11 @@ def test_after_a_miss_it_may_fly_on():
     assert stopped.ticks[1] == 20
 
 
+CAUSES = {
+    "away": Cause.DISTANCE, "floor": Cause.FLOOR, "nan": Cause.NUMBERS, "rate": Cause.RATE, "nan rate": Cause.NUMBERS,
+}  # fmt: skip
+
+
 def crash_at(time: float, how: str) -> dict[str, Any]:
     """A flight on the reference until something goes wrong."""
     wrong = {"away": (0.0, 11.0, 0.0), "floor": (0.0, 0.0, -2.0), "nan": (np.nan, 0.0, 0.0)}.get(how, (0.0, 0.0, 0.0))
@@ -120,10 +125,11 @@ def crash_at(time: float, how: str) -> dict[str, Any]:
 
 
 @EVERY_RULE
-@pytest.mark.parametrize("how", ["away", "floor", "nan", "rate", "nan rate"])
-def test_a_crash_ends_the_flight(how, rule):
+@pytest.mark.parametrize("how", CAUSES)
+def test_a_crash_ends_the_flight_and_has_a_cause(how, rule):
     v = fly(settings=settings(rule, distance=0.5), **crash_at(1.45, how))
     assert outcome(v) == (1, End.CRASHED)
+    assert crash(v) == (CAUSES[how], -1)
     assert v.end_time[1] == pytest.approx(1.5)
     assert np.isnan(v.lap_time[1])
     assert np.isfinite([v.mean_error[1], v.max_error[1]]).all()

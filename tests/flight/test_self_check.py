@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from flight.scenarios import fly, make_scenario, parameters
 from hotlap.core.errors import HotlapError
+from hotlap.core.records import Cause, End
 from hotlap.flight import self_check
 from hotlap.flight.fly import fly_batch
 from hotlap.flight.numbers import Numbers, best_numbers
@@ -18,6 +19,8 @@ from hotlap.race.controllers import ControllerKind
 from hotlap.worlds import BuiltIn
 
 LANES = best_numbers()
+GATES = len(self_check.GATES)
+COLUMNS = [f"{name}{k or ''}" for name in self_check.JUDGED for k in range(GATES if name in ("rim_distance", "closest_distance") else 1)]
 
 
 @pytest.fixture
@@ -29,8 +32,10 @@ def result_file(tmp_path, monkeypatch):
 
 
 WRONG = {"minimum": "max", "negate": "float", "sqrt": "lambda a: 1.01 * a**0.5"}  # operations that mean something else
+WRONG_JUDGES = {"rim_distance": "openings", "_corner": "collisions"}  # functions that measure two centimetres more, and their modules
 INTERPRET = f"""
 import sys
+from importlib import import_module
 import numpy as np
 from hotlap.core.errors import HotlapError
 from hotlap.flight import self_check
@@ -44,6 +49,12 @@ for operation, wrong in {{{", ".join(f'"{operation}": {wrong}' for operation, wr
     right, MEANING[operation] = MEANING[operation], wrong
     fly(operation, self_check.ControllerKind.GEOMETRIC)
     MEANING[operation] = right
+for name, place in {WRONG_JUDGES}.items():
+    module = import_module(f"hotlap.flight.{{place}}")
+    right = getattr(module, name)
+    setattr(module, name, lambda *given, right=right: right(*given) + 0.02)
+    fly(name, self_check.ControllerKind.GEOMETRIC)
+    setattr(module, name, right)
 np.savez(sys.stdout.buffer, **flown)
 """
 
@@ -66,11 +77,11 @@ def test_the_interpreter_flies_what_plain_floats_fly(interpreted):
     scenario, rows = self_check.make_scenario(ControllerKind.MPC), self_check.compared(LANES.lanes)
     asked, seeds = self_check.draw_flights(scenario, LANES.lanes)
     flown = fly_batch(scenario, asked[rows], seeds[rows], numbers=Numbers.FLOAT64, log=range(len(rows)))[0]
-    *logs, errors = interpreted[ControllerKind.MPC]
+    *logs, judged = interpreted[ControllerKind.MPC]
     for i, log in enumerate(logs):
         assert_allclose(log[:, :13], flown.logs[i].states, atol=1e-9)
         assert_allclose(log[:, 17:], flown.logs[i].commands, atol=1e-9)
-    assert_allclose(errors, flown.mean_error, atol=1e-12)
+    assert_allclose(judged[:, 0], flown.mean_error, atol=1e-12)
 
 
 def test_the_flights_meet_bounds_and_leave_them():
@@ -90,6 +101,21 @@ def test_lanes_agree_with_the_interpreter(kind, interpreted):
 @pytest.mark.check
 def test_an_operation_that_means_something_else_is_found_out(operation, interpreted):
     assert not self_check.same(self_check.fly_compiled(LANES, ControllerKind.GEOMETRIC), interpreted[operation])
+
+
+@pytest.mark.parametrize("name", WRONG_JUDGES)
+@pytest.mark.check
+def test_a_judge_that_measures_something_else_is_found_out(name, interpreted):
+    assert not self_check.same(self_check.fly_compiled(LANES, ControllerKind.GEOMETRIC), interpreted[name])
+
+
+@pytest.mark.check
+def test_the_judge_takes_part_with_openings_and_a_crash(interpreted):
+    """The first flight passes a window and a tunnel, and meets a pole; the others miss the window."""
+    for kind in ControllerKind:
+        first, *others = (dict(zip(COLUMNS, row, strict=True)) for row in interpreted[kind][-1])
+        assert (first["end"], first["cause"], first["cause_index"], first["gates_passed"]) == (End.CRASHED, Cause.POLE, 0, 2)
+        assert all((row["end"], row["gates_passed"]) == (End.MISSED, 0) for row in others)
 
 
 @pytest.mark.check

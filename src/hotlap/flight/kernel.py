@@ -21,6 +21,7 @@ from hotlap.flight.job import Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, judge
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers, borrow, fetch_and_add
+from hotlap.flight.lending import lend
 from hotlap.flight.numbers import COMPILE, INLINE, INNER, Numbers
 from hotlap.flight.plant import MASS, THRUST_FACTOR, WIND, VehicleState, allocate_vehicle_state, fly_period
 from hotlap.flight.registry import CONTROLLERS
@@ -83,7 +84,7 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
         lane: Lane,
         effort: np.ndarray,
     ) -> None:
-        job, gates, verdicts = borrow(job), borrow(gates), borrow(verdicts)
+        job, gates, verdicts = borrow(job), lend(gates), borrow(verdicts)
         memory, loop, vehicle_state, lane = borrow(memory), borrow(loop), borrow(vehicle_state), borrow(lane)
         m, p, c = as_numbers(memory, width), as_numbers(loop, width), as_numbers(vehicle_state, width)
         noisy = s.measured_position + s.measured_velocity + s.measured_attitude > 0

@@ -25,7 +25,7 @@ from numba.core import caching
 
 from hotlap.system.disk_cache import digest_sources, folder
 
-SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.race", "hotlap.core.records")
+SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.race", "hotlap.reference.reference", "hotlap.core.records")
 PAUSE, LONGEST_WAIT = 0.1, 180.0  # s between two looks for what another process compiles; s after which it is compiled here too
 
 

@@ -2,7 +2,7 @@
 
 `Lanes(element, width)` is an LLVM vector that behaves like a float inside compiled code, so nothing depends on
 the auto-vectoriser. Every function here also has a plain Python body: with NUMBA_DISABLE_JIT=1 the same code runs
-in the interpreter on floats. This file and `compile.py` are all that touches Numba's extension interface.
+in the interpreter on floats. This file, `lending.py` and `compile.py` are all that touches Numba's extension interface.
 """
 
 # pyright: reportCallIssue=false, reportAttributeAccessIssue=false
@@ -268,12 +268,12 @@ def borrow(memory: Any) -> Any:
 @intrinsic
 def _borrow(typing: Any, memory: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return _without_owners(context, builder, memory, arguments[0])
+        return without_owners(context, builder, memory, arguments[0])
 
     return memory(memory), generate
 
 
-def _without_owners(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+def without_owners(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     """A value whose arrays, those of tuples in it too, know no owner."""
     if isinstance(kind, types.Array):
         array = make_array(kind)(context, builder, value)
@@ -282,7 +282,7 @@ def _without_owners(context: Any, builder: Any, kind: Any, value: Any) -> Any:
         return array._getvalue()  # noqa: SLF001
     if isinstance(kind, types.BaseTuple):
         parts = zip(kind.types, cgutils.unpack_tuple(builder, value, len(kind.types)), strict=True)
-        return context.make_tuple(builder, kind, [_without_owners(context, builder, *part) for part in parts])
+        return context.make_tuple(builder, kind, [without_owners(context, builder, *part) for part in parts])
     return value
 
 

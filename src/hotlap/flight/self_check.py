@@ -3,12 +3,13 @@
 The kernels use internal parts of Numba and LLVM's code for vectors, which another release may change. So, once for each kernel that was
 compiled, short flights are flown twice: by the kernel, and in a process whose Numba does not compile (NUMBA_DISABLE_JIT), on float64.
 Controller, plant, noise, judge and the refilling of lanes take part, with dead time, drag, two segments and bounds that are reached;
-neither a file nor a planner does: a drone is to hover at a place that jumps away. A horizon of few nodes keeps the interpreter's share
-at about a second; compiling a scalar controller to compare with would take seven.
+neither a file nor a planner does: a drone is to hover at a place that jumps away, behind a framed window, a tunnel and a pole. A horizon
+of few nodes keeps the interpreter's share at about a second; compiling a scalar controller to compare with would take seven.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -28,8 +29,9 @@ from hotlap.flight.kernel import worker
 from hotlap.flight.kernel_cache import check_file_of
 from hotlap.flight.numbers import Numbers
 from hotlap.race.controllers import ControllerKind
+from hotlap.race.obstacles import Pole
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.race import ControllerSettings, JudgeSettings, NoiseSettings, Race
+from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, NoiseSettings, Race
 from hotlap.race.track import Gate, Track
 from hotlap.reference.reference import PERIOD, Reference
 from hotlap.reference.scenario import Scenario
@@ -40,6 +42,7 @@ Floats = NDArray[np.float64]
 STEPS, NODES = 24, 4  # control periods of a flight, nodes of the horizon
 REFILLED = 3  # flights beyond one a lane
 HORIZON_UNIT, SPREAD = 0.1, 0.3  # [s] of the horizon; of the logarithms of the parameters: half of the commands meet a bound
+JUDGED = ("mean_error", "max_error", "rim_distance", "closest_distance", "end_time", "end", "gates_passed", "cause", "cause_index")
 TOLERANCE = 2e-3  # of every number in a log, in its unit and relative: single precision stays below 5e-5
 AGREES, DIFFERS = "agrees", "differs"
 PROGRAM = "import sys; from hotlap.flight.self_check import write_answer; write_answer(*sys.argv[1:])"
@@ -56,11 +59,18 @@ DRONE = Quadrotor(
     body_drag=(0.01, 0.01, 0.02),
     torque_damping=0.1,
     delay=0.0225,
+    radius=0.05,
 )
 NOISE = NoiseSettings(
     position=0.3, velocity=1.0, attitude=0.1, measured_position=0.01, measured_velocity=0.01, measured_attitude=0.01, wind=1.0
 )
 JUMP = (1.0, -1.0, 1.0)  # m; a longer one asks for bang-bang, in which a rounding error may grow
+GATES = (
+    Gate(position=(-0.05, 0.3, -0.35), yaw=-math.pi / 2, width=0.8, height=0.6, frame=0.1),
+    Gate(position=(0.0, 0.2, -0.2), yaw=-math.pi / 2, radius=0.25, depth=0.02),
+    Gate(position=JUMP),
+)
+POLE = Pole(position=(-0.12, 0.075), radius=0.03)  # met by the first flight, which passes two gates before
 
 
 def agrees(numbers: Numbers, kind: ControllerKind) -> bool:
@@ -106,7 +116,7 @@ def check(numbers: Numbers, kind: ControllerKind) -> bool:
 
 
 def same(flown: Sequence[Floats], expected: Sequence[Floats]) -> bool:
-    """Whether two lists of logs and mean errors agree."""
+    """Whether two lists of logs and judgements agree."""
     alike = len(flown) == len(expected) and all(a.shape == b.shape for a, b in zip(flown, expected, strict=True))
     return alike and all(np.allclose(a, b, rtol=TOLERANCE, atol=TOLERANCE) for a, b in zip(flown, expected, strict=True))
 
@@ -127,7 +137,7 @@ def fly_compiled(numbers: Numbers, kind: ControllerKind) -> list[Floats]:
     """Fly all flights with a kernel.
 
     Returns:
-        Logs of the flights that are compared, with the columns of `Job.logs`; and their mean errors.
+        Logs of the flights that are compared, with the columns of `Job.logs`; and what the judge says of them.
     """
     scenario, rows = make_scenario(kind), compared(numbers.lanes)
     parameters, seeds = draw_flights(scenario, numbers.lanes)
@@ -145,9 +155,10 @@ def fly_interpreted(kind: ControllerKind, lanes: int) -> list[Floats]:
 
 
 def _logged(flown: Flights, rows: Sequence[int]) -> list[Floats]:
-    """Logs and mean errors of some flights of a record."""
+    """Logs of some flights of a record, and what the judge says of each in a row; what there is not is negative."""
     logs = [flown.logs[i] for i in rows]
-    return [*(np.hstack([log.states, log.rotor_thrusts, log.commands]) for log in logs), flown.mean_error[list(rows)]]
+    judged = np.column_stack([getattr(flown, name)[list(rows)] for name in JUDGED])
+    return [*(np.hstack([log.states, log.rotor_thrusts, log.commands]) for log in logs), np.nan_to_num(judged, nan=-9.0)]
 
 
 @contextmanager
@@ -192,7 +203,7 @@ def arrays_of(answer: bytes) -> list[Floats]:
 
 
 def write_answer(kind: str, lanes: str) -> None:
-    """The program of the interpreter's process: fly, and write logs and errors to the standard output."""
+    """The program of the interpreter's process: fly, and write what was flown and judged to the standard output."""
     answer = BytesIO()
     np.savez(answer, *fly_interpreted(ControllerKind(kind), int(lanes)))
     sys.stdout.buffer.write(answer.getvalue())
@@ -200,12 +211,13 @@ def write_answer(kind: str, lanes: str) -> None:
 
 def make_scenario(kind: ControllerKind) -> Scenario:
     """The scenario of the self-check: hover at a place, which jumps away after half of the time."""
-    rows, half, end = STEPS + 40, PERIOD * STEPS / 2, PERIOD * STEPS
+    rows, end = STEPS + 40, PERIOD * STEPS
     position, zeros = np.zeros((rows, 3)), np.zeros((rows, 3))
     position[STEPS // 2 :] = JUMP
     attitude, thrust, unknown = np.tile([1.0, 0.0, 0.0, 0.0], (rows, 1)), np.full(rows, DRONE.gravity), np.full((rows, 4), np.nan)
-    reference = Reference(position, attitude, zeros, zeros, thrust, unknown, np.array([half - 0.25 * PERIOD, end]), end)
-    track = Track(name="self-check", start=(0.0, 0.0, 0.0), gates=(Gate(position=(0.2, 0.1, 0.1)), Gate(position=JUMP)))
-    settings, judge = ControllerSettings(kind=kind, nodes=NODES, horizon_unit=HORIZON_UNIT), JudgeSettings(fly_on=True)
+    reference = Reference(position, attitude, zeros, zeros, thrust, unknown, end - PERIOD * np.array([0.5, 0.25, 0.0]), end)
+    track = Track(name="self-check", start=(0.0, 0.0, 0.0), gates=GATES, poles=(POLE,))
+    settings = ControllerSettings(kind=kind, nodes=NODES, horizon_unit=HORIZON_UNIT)
+    judge = JudgeSettings(rule=GateRule.OPENING, window=(end, 0.0), fly_on=True)
     race = Race(name="self-check", track=track, vehicle=DRONE, controller=settings, noise=NOISE, judge=judge)
-    return Scenario(race, reference, Segments(np.array([0.0, half / 2]), (SegmentClass.FLAT, SegmentClass.FLAT), end))
+    return Scenario(race, reference, Segments(np.array([0.0, end / 4]), (SegmentClass.FLAT, SegmentClass.FLAT), end))
