@@ -15,7 +15,7 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
     {"race"},
     {"reference"},
     {"files", "flight"},
-    {"references"},
+    {"reference_files"},
     {"planning", "feasibility", "worlds", "tuners", "importers"},
     {"tuning", "first_guess"},
     {"study", "optuna"},
@@ -26,13 +26,13 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
 )
 STRANGERS = {  # packages that do not know each other although their floors would allow it
     "planning": {"flight"},
-    "references": {"flight"},
+    "reference_files": {"flight"},
     "feasibility": {"flight"},
-    "importers": {"flight", "references"},
-    "worlds": {"files", "references"},
-    "tuners": {"system", "dynamics", "race", "reference", "files", "flight", "references"},
-    "tuning": {"files", "references", "planning", "feasibility", "flight"},
-    "optuna": {"system", "dynamics", "race", "reference", "files", "flight", "references"}
+    "importers": {"flight", "reference_files"},
+    "worlds": {"files", "reference_files"},
+    "tuners": {"system", "dynamics", "race", "reference", "files", "flight", "reference_files"},
+    "tuning": {"files", "reference_files", "planning", "feasibility", "flight"},
+    "optuna": {"system", "dynamics", "race", "reference", "files", "flight", "reference_files"}
     | {"planning", "feasibility", "worlds", "importers", "tuning", "first_guess"},
 }
 FLOOR_OF = {package: floor for floor, packages in enumerate(FLOORS) for package in packages}

@@ -12,7 +12,7 @@ import pytest
 
 from fake_world import make_scenario
 from hotlap.reference.segmentation import SegmentationRule, SegmentClass, Segments
-from hotlap.references.csv import load_reference, save_reference
+from hotlap.reference_files.csv import load_reference, save_reference
 
 
 @pytest.mark.usefixtures("faked")

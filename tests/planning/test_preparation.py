@@ -13,7 +13,7 @@ from hotlap.files.descriptions import save
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.planning.preparation import differences, parameters_for, prepare
 from hotlap.reference.segmentation import SegmentationRule, SegmentClass, Segments, segment
-from hotlap.references.csv import save_reference
+from hotlap.reference_files.csv import save_reference
 
 SCENARIO = make_scenario()
 

@@ -13,7 +13,7 @@ from hotlap.api.scenarios import load, make_scenario
 from hotlap.api.wording import seconds
 from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
-from hotlap.references.csv import save_reference
+from hotlap.reference_files.csv import save_reference
 from hotlap.report.formats import SUFFIXES
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
-from hotlap.references.thrust_vectors import with_drag
+from hotlap.reference_files.thrust_vectors import with_drag
 
 Floats = NDArray[np.float64]
 

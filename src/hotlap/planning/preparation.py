@@ -14,7 +14,7 @@ from hotlap.planning import plan
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule, Segments, segment
-from hotlap.references.csv import read_reference
+from hotlap.reference_files.csv import read_reference
 
 MOVED = 0.1  # s by which starts of segments may differ and be called the same
 

@@ -14,9 +14,9 @@ from hotlap.race.track import Gate
 from hotlap.reference.attitude import rotate, thrust_axis
 from hotlap.reference.reference import Reference, row_times
 from hotlap.reference.run_out import extend
-from hotlap.references import flatness
-from hotlap.references.csv import ReadReference, read_reference, save_reference
-from hotlap.references.thrust_vectors import planned_thrust
+from hotlap.reference_files import flatness
+from hotlap.reference_files.csv import ReadReference, read_reference, save_reference
+from hotlap.reference_files.thrust_vectors import planned_thrust
 
 from .flights import RACE, Q, U, V, W, assert_same_flight, changed, some, stack, tilt, write
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.testing import assert_allclose
 
-from hotlap.references.resampling import resample
+from hotlap.reference_files.resampling import resample
 
 
 def test_positions_between_coarse_rows_follow_cubics_exactly():

@@ -14,12 +14,12 @@ from hotlap.race.race import PlanDynamics, Race
 from hotlap.reference.attitude import thrust_axis
 from hotlap.reference.reference import PERIOD, Reference, row_times
 from hotlap.reference.run_out import extend
-from hotlap.references import flatness
-from hotlap.references.checks import axis_misfit, check_angles, check_axes, drag_of, foreign_acceleration
-from hotlap.references.columns import GROUPS
-from hotlap.references.resampling import resample
-from hotlap.references.table import ACCELERATION, ATTITUDE, POSITION, RATES, THRUSTS, TIME, VELOCITY, YAW, Table
-from hotlap.references.thrust_vectors import planned_thrust
+from hotlap.reference_files import flatness
+from hotlap.reference_files.checks import axis_misfit, check_angles, check_axes, drag_of, foreign_acceleration
+from hotlap.reference_files.columns import GROUPS
+from hotlap.reference_files.resampling import resample
+from hotlap.reference_files.table import ACCELERATION, ATTITUDE, POSITION, RATES, THRUSTS, TIME, VELOCITY, YAW, Table
+from hotlap.reference_files.thrust_vectors import planned_thrust
 
 Floats = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.reference.attitude import continuous, follow_axes, thrust_axis, turn_rates
-from hotlap.references.thrust_vectors import axes_of
+from hotlap.reference_files.thrust_vectors import axes_of
 
 Floats = NDArray[np.float64]
 

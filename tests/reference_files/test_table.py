@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from hotlap.core.errors import InputError
-from hotlap.references.csv import read_reference
+from hotlap.reference_files.csv import read_reference
 
 from .flights import RACE, Columns, Q, U, V, W, assert_same_flight, some, write
 

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from hotlap.core.errors import InputError
 from hotlap.reference.attitude import CONJUGATE, product
-from hotlap.references.csv import read_reference
+from hotlap.reference_files.csv import read_reference
 
 from .flights import RACE, Columns, P, Q, V, W, assert_same_flight, changed, some, stack, write
 

@@ -11,9 +11,9 @@ from hotlap.core.errors import InputError
 from hotlap.race.race import GateRule, Race
 from hotlap.reference.attitude import product
 from hotlap.reference.reference import PERIOD
-from hotlap.references.passages import MissedGateError, find_passages, targets_of
-from hotlap.references.resampling import between
-from hotlap.references.table import ACCELERATION, ATTITUDE, POSITION, RATES, TIME, VELOCITY, YAW, Table
+from hotlap.reference_files.passages import MissedGateError, find_passages, targets_of
+from hotlap.reference_files.resampling import between
+from hotlap.reference_files.table import ACCELERATION, ATTITUDE, POSITION, RATES, TIME, VELOCITY, YAW, Table
 
 Floats = NDArray[np.float64]
 

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from hotlap.race.race import Race
 from hotlap.reference.attitude import product
 from hotlap.reference.reference import Reference
-from hotlap.references.checks import check_columns, check_times
-from hotlap.references.columns import GROUPS, WHOLE
-from hotlap.references.completion import complete, with_velocities, without_orphans
-from hotlap.references.frames import in_track_frame
-from hotlap.references.table import ATTITUDE, POSITION, RATES, TIME, VELOCITY, read_table, without_repeated
+from hotlap.reference_files.checks import check_columns, check_times
+from hotlap.reference_files.columns import GROUPS, WHOLE
+from hotlap.reference_files.completion import complete, with_velocities, without_orphans
+from hotlap.reference_files.frames import in_track_frame
+from hotlap.reference_files.table import ATTITUDE, POSITION, RATES, TIME, VELOCITY, read_table, without_repeated
 from hotlap.system.text_files import replace
 
 Floats = NDArray[np.float64]

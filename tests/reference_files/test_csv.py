@@ -15,8 +15,8 @@ from hotlap.core.errors import InputError
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
 from hotlap.reference.run_out import extend
-from hotlap.references import table as reference_table
-from hotlap.references.csv import COLUMNS, load_reference, save_reference
+from hotlap.reference_files import table as reference_table
+from hotlap.reference_files.csv import COLUMNS, load_reference, save_reference
 from planning import small
 
 Table = dict[str, list[str]]

@@ -7,7 +7,7 @@ import pytest
 
 from hotlap.reference.reference import Reference
 from hotlap.reference.run_out import extend
-from hotlap.references.csv import COLUMNS, save_reference
+from hotlap.reference_files.csv import COLUMNS, save_reference
 from planning import small
 
 from .flights import RACE, Columns

@@ -16,8 +16,8 @@ from hotlap.core.errors import InputError
 from hotlap.race.track import REACH
 from hotlap.reference.attitude import CONJUGATE, continuous, rotate, thrust_axis, turn_rates
 from hotlap.reference.reference import PERIOD
-from hotlap.references.columns import GROUPS
-from hotlap.references.table import ACCELERATION, ANGLES, ATTITUDE, LEAST_ROWS, POSITION, RATES, THRUSTS, TIME, VELOCITY, Table
+from hotlap.reference_files.columns import GROUPS
+from hotlap.reference_files.table import ACCELERATION, ANGLES, ATTITUDE, LEAST_ROWS, POSITION, RATES, THRUSTS, TIME, VELOCITY, Table
 
 Floats = NDArray[np.float64]
 

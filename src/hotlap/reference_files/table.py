@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
 from hotlap.files.error_messages import show
-from hotlap.references.columns import GROUPS, KNOWN, REQUIRED, THRUST_NAMES, Column, by_count, columns_of
+from hotlap.reference_files.columns import GROUPS, KNOWN, REQUIRED, THRUST_NAMES, Column, by_count, columns_of
 
 Floats = NDArray[np.float64]
 

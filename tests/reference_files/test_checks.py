@@ -10,8 +10,8 @@ import pytest
 from hotlap.core.errors import InputError
 from hotlap.reference.attitude import CONJUGATE, rotate
 from hotlap.reference.reference import row_times
-from hotlap.references import flatness
-from hotlap.references.csv import read_reference
+from hotlap.reference_files import flatness
+from hotlap.reference_files.csv import read_reference
 
 from .flights import RACE, Columns, P, Q, V, W, assert_same_flight, changed, some, stack, write
 

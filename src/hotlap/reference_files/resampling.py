@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.references.table import ATTITUDE, POSITION, THRUSTS, VELOCITY
+from hotlap.reference_files.table import ATTITUDE, POSITION, THRUSTS, VELOCITY
 
 Floats = NDArray[np.float64]
 

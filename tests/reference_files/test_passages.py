@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from hotlap.race.race import GateRule, Race
 from hotlap.race.track import Gate
-from hotlap.references.passages import MissedGateError, Target, find_passages, targets_of
+from hotlap.reference_files.passages import MissedGateError, Target, find_passages, targets_of
 from planning import small
 
 TIMES = 0.01 * np.arange(1001)
