@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
-from hotlap.race.track import REACH
+from hotlap.race.schema import LARGEST
 from hotlap.reference.attitude import CONJUGATE, continuous, rotate, thrust_axis, turn_rates
 from hotlap.reference.reference import PERIOD
 from hotlap.reference_files.columns import GROUPS
@@ -58,9 +58,9 @@ def check_columns(table: Table) -> Table:
         InputError: naming the columns, their frame and unit, and what they look like.
     """
     values = table.values
-    far = np.abs(values[:, POSITION]).max(axis=1) > REACH
+    far = np.abs(values[:, POSITION]).max(axis=1) > LARGEST
     if far.any():
-        raise table.error(int(far.argmax()), "p_x", f"lies more than {REACH:g} m away; positions are in metres")
+        raise table.error(int(far.argmax()), "p_x", f"lies more than {LARGEST:g} m away; positions are in metres")
     if table.has("attitude"):
         table = table.with_values(_with_unit_attitudes(table))
     if table.has("thrusts"):
