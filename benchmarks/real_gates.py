@@ -1,7 +1,7 @@
 """How the default tuner does on races with real gates, and on those of other people: python benchmarks/real_gates.py [RACE ...] [--seeds N]
 
 Every run is one of `hotlap tune` with its defaults (ten re-flights, at least 95 % of 200 more flights), from the learned first guess and
-from the default weights; what counts is a controller that is confirmed within 200 search flights. Every result is flown 400 times more with
+from the default weights; what counts is a controller that is confirmed within 200 search flights. Every result is flown 100 times more with
 noise that no search has used. Runs are kept in `--out`; the same command continues where it was interrupted.
 """
 
@@ -34,7 +34,7 @@ from hotlap.worlds.built_in import BuiltIn
 
 GUESSES = ("learned", "default")
 CONFIRM, SEARCH, BUDGET = 10, 200, 400  # re-flights; search flights that count; all flights of a run at most
-FRESH, FIRST_SEED = 400, 2 * 10**12  # flights of each result; seeds that no search uses
+FRESH, FIRST_SEED = 100, 2 * 10**12  # flights of each result; seeds that no search uses
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,12 @@ def fly(case: Case) -> Iterator[dict[str, Any]]:
     fresh = Objective(scenario, world).fly(np.repeat(known, FRESH, axis=0), seeds)
     shares = fresh.complete.reshape(len(runs), FRESH).mean(axis=1).tolist()
     found = [
-        {"confirmed": bool(best and best.confirmed and run.search_flights <= SEARCH), "search": run.search_flights, "share": share}
+        {
+            "confirmed": bool(best and best.confirmed and run.search_flights <= SEARCH),
+            "search": run.search_flights,
+            "validated": run.validation.rate if run.validation else 0.0,
+            "share": share,
+        }
         for run, best, share in zip(runs, bests, shares, strict=True)
     ]
     reference = scenario.reference
@@ -91,21 +96,22 @@ def _default(scenario: Any, world: BuiltIn) -> float:
 def row(case: Case, found: dict[str, Any]) -> str:
     """A line of the table."""
     if "no_plan" in found:
-        return f"| {Path(case.race).stem} | {case.guess} | {found['no_plan']} | " + "| " * 6
+        return f"| {Path(case.race).stem} | {case.guess} | {found['no_plan']} | " + "| " * 7
     runs = found["runs"]
     confirmed = [run for run in runs if run["confirmed"]]
     share = f"{100 * np.mean([run['share'] for run in confirmed]):.1f}" if confirmed else "-"
+    validated = f"{100 * np.mean([run['validated'] for run in confirmed]):.1f}" if confirmed else "-"
     flights = f"{np.median([run['search'] for run in confirmed]):.0f}" if confirmed else "-"
     cells = (
         Path(case.race).stem, case.guess, f"{found['duration']:.2f}", f"{found['top_speed']:.1f}", f"{100 * found['default']:.0f}",
-        f"{100 * len(confirmed) / len(runs):.0f}", flights, share, f"{found['wall'] / len(runs):.1f}",
+        f"{100 * len(confirmed) / len(runs):.0f}", flights, validated, share, f"{found['wall'] / len(runs):.1f}",
     )  # fmt: skip
     return "| " + " | ".join(cells) + " |"
 
 
 HEAD = (
-    "| race | first guess | plan s | top speed m/s | default weights % | confirmed % | search flights | fresh flights % | s a run |\n"
-    "|---|---|---|---|---|---|---|---|---|"
+    "| race | first guess | plan s | top speed m/s | default weights % | confirmed % | search flights | validated % | fresh % | s a run |\n"
+    "|---|---|---|---|---|---|---|---|---|---|"
 )
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import hotlap
-from hotlap.planning.feasibility import describe
+from hotlap.feasibility import describe
 
 DRONE = """
 mass = 0.85                       # kg

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from hotlap.feasibility import Level, describe
 from hotlap.files.descriptions import load
-from hotlap.planning.feasibility import Level, describe
 
 ROOT = Path(__file__).parents[1]
 

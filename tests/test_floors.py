@@ -15,7 +15,8 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
     {"race"},
     {"reference"},
     {"files", "flight"},
-    {"planning", "worlds", "tuners", "importers"},
+    {"reference_files"},
+    {"planning", "feasibility", "worlds", "tuners", "importers"},
     {"tuning", "first_guess"},
     {"study", "optuna"},
     {"analysis", "exporters"},
@@ -25,10 +26,14 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
 )
 STRANGERS = {  # packages that do not know each other although their floors would allow it
     "planning": {"flight"},
-    "worlds": {"files"},
-    "tuners": {"system", "dynamics", "race", "reference", "files", "flight"},
-    "tuning": {"files", "planning", "flight"},
-    "optuna": {"system", "dynamics", "race", "reference", "files", "flight", "planning", "worlds", "tuning", "first_guess"},
+    "reference_files": {"flight"},
+    "feasibility": {"flight"},
+    "importers": {"flight", "reference_files"},
+    "worlds": {"files", "reference_files"},
+    "tuners": {"system", "dynamics", "race", "reference", "files", "flight", "reference_files"},
+    "tuning": {"files", "reference_files", "planning", "feasibility", "flight"},
+    "optuna": {"system", "dynamics", "race", "reference", "files", "flight", "reference_files"}
+    | {"planning", "feasibility", "worlds", "importers", "tuning", "first_guess"},
 }
 FLOOR_OF = {package: floor for floor, packages in enumerate(FLOORS) for package in packages}
 PUBLIC_FACE = {"__init__.py", "__main__.py"}

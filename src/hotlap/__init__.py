@@ -78,7 +78,7 @@ _FORMER_HOMES = {  # names of before, which go on working
     "core.records": ("Flights", "Scores"),
     "files.descriptions": ("load_quadrotor", "load_track", "save_parameters"),
     "planning.preparation": ("prepare",),
-    "planning.reference_csv": ("load_reference", "save_reference"),
+    "reference_files.csv": ("load_reference", "save_reference"),
     "reference.reference": ("Reference",),
     "reference.scenario": ("Scenario",),
     "reference.segmentation": ("Segments", "segment"),

@@ -10,7 +10,7 @@ import pytest
 from fake_world import FakeWorld, make_scenario
 from hotlap.api.first_flights import describe_flights, find_doom, fly_untuned, say_doom
 from hotlap.core.records import End
-from hotlap.planning.finding import Level
+from hotlap.feasibility.finding import Level
 
 FLIGHTS = 20
 SKILLS = {"easy": 0.1, "moderate": 2.2, "hard": 2.8}

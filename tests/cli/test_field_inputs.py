@@ -10,8 +10,8 @@ import pytest
 
 import hotlap as api
 from hotlap.core.errors import PlanningError
+from hotlap.feasibility import Level, describe
 from hotlap.files.descriptions import load, load_race
-from hotlap.planning.feasibility import Level, describe
 from hotlap.planning.planner import find_plan
 from hotlap.planning.preparation import prepare
 from hotlap.planning.problem import Problem
@@ -91,11 +91,11 @@ NOTED = {
     ),
     "slow motors": (
         CRAZYFLIE.format(inertia=[1.4e-5, 1.4e-5, 2.2e-5], rotor_thrust=[0.0, 0.15], more="motor_time = [0.065, 0.065]"),
-        ("lag", Level.NOTE, "which no controller here knows of"),
+        ("lag", Level.NOTE, "which no controller's model has"),
     ),
     "a slow rate loop": (
         CRAZYFLIE.format(inertia=[3.3e-5, 3.6e-5, 5.9e-5], rotor_thrust=[0.0, 0.39], more="rate_gain = [5.27, 5.27, 5.27]"),
-        ("lag", Level.NOTE, "which no controller here knows of"),
+        ("lag", Level.NOTE, "which no controller's model has"),
     ),
     "points that are degrees": (
         "start = [0.0, 0.0, 1.0]\ngates = [[47.38, 8.54, 1.0], [47.3801, 8.54, 1.0]]",

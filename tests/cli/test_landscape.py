@@ -10,7 +10,7 @@ import pytest
 
 from hotlap.cli import main
 from hotlap.planning.preparation import prepare
-from hotlap.planning.reference_csv import save_reference
+from hotlap.reference_files.csv import save_reference
 
 SMALL = ["landscape", "circle-34", "--points", "4", "--flights", "2"]
 

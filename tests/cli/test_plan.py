@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fake_world import make_scenario
-from hotlap.planning.reference_csv import load_reference, save_reference
 from hotlap.reference.segmentation import SegmentationRule, SegmentClass, Segments
+from hotlap.reference_files.csv import load_reference, save_reference
 
 
 @pytest.mark.usefixtures("faked")

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from hotlap.feasibility import describe
+from hotlap.feasibility.race import unknown_latency
 from hotlap.files.descriptions import Kind, load_quadrotor, load_race, load_track, names
-from hotlap.planning.feasibility import describe
-from hotlap.planning.race_feasibility import unknown_latency
 from hotlap.race.gate_plane import plane_of
 from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, NoiseSettings, PlanDynamics
 
@@ -87,21 +87,16 @@ def test_what_reproduces_the_paper_has_its_gates_and_its_planning_model(name):
     assert race.planning.dynamics is PlanDynamics.IDEAL
 
 
-def lag(vehicle):
-    """[s] of motors and rate loop."""
-    return sum(vehicle.motor_time) / 2 + 1 / vehicle.rate_gain[0]
-
-
 @pytest.mark.parametrize("name", REAL)
 def test_the_real_suite_has_openings_and_one_setting_for_all(name):
     race, base = load_race(name), load_race("real-circle")
     assert race.judge.rule is GateRule.OPENING
-    assert race.planning.model_copy(update={"nodes": base.planning.nodes}) == base.planning
+    assert race.planning.model_copy(update={"nodes": base.planning.nodes, "v_max": base.planning.v_max}) == base.planning
+    assert race.controller.lag_lead == 0.5
+    assert (race.planning.v_max is None) == ("airsim" in name)
     assert race.planning.dynamics is PlanDynamics.FULL
     assert race.noise == NoiseSettings()
-    known = race.control_model.model_copy(update={"delay": race.vehicle.delay, "name": race.vehicle.name})
-    assert known == race.vehicle, "controller and planner know the vehicle"
-    assert race.control_model.delay == pytest.approx(race.vehicle.delay + 0.5 * lag(race.vehicle), abs=1e-3)
+    assert race.control_model == race.vehicle, "controller and planner know the vehicle"
     vehicle = load_quadrotor("airsim-122m") if "airsim" in name else load_quadrotor("hummingbird").model_copy(update={"delay": 0.045})
     assert race.vehicle == vehicle
     assert race.controller.thrust[1] == pytest.approx(race.vehicle.max_acceleration, rel=2e-3)

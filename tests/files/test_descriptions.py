@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.core.renamed import RenamedWarning
 from hotlap.files import descriptions, toml_writer
-from hotlap.files.descriptions import TYPES, Kind, load, load_quadrotor, load_race, load_track, names, save
+from hotlap.files.descriptions import Kind, load, load_quadrotor, load_race, load_track, names, save
 from hotlap.files.documented_keys import documented_keys
+from hotlap.files.recognition import TYPES
 from hotlap.race.race import GateRule
 from hotlap.system.text_files import create
 
@@ -154,13 +155,13 @@ FAULTS = [
     (load_quadrotor, 'base = "mine.toml"', "base", "refers back to itself"),
     (load_quadrotor, 'base = "other.toml"', "base", "there is no file other.toml"),
     (load_track, TRACK.replace("[[1, 2, 3], [4, 5, 6]]", "[]"), "gates", "at least one"),
-    (load_track, TRACK.replace("[4, 5, 6]", "[1, 2, 3]"), "gates[1]", "the same point as gates[0]"),
+    (load_track, TRACK.replace("[4, 5, 6]", "[1, 2, 3]"), "gates[1]", "gate 2 is at the same point as gate 1"),
     (load_track, TRACK.replace("[4, 5, 6]", "[4, 5]"), "gates[1].position", "must have 3 values, not 2"),
     (load_track, TRACK.replace("[4, 5, 6]", "[4, nan, 6]"), "gates[1].position[1]", "finite"),
     (load_track, TRACK.replace("[4, 5, 6]", "{ positon = [4, 5, 6] }"), "gates[1].positon", "did you mean position?"),
     (load_track, TRACK.replace("[4, 5, 6]", "4"), "gates[1]", "must be a table, not 4"),
     (load_track, TRACK + "attitude = [1, 1, 0, 0]", "attitude", "norm 1"),
-    (load_track, TRACK + "floor = 2.0", "floor", "lies above start"),
+    (load_track, TRACK + "floor = 2.0", "floor", "lies above the start"),
     (load_track, "gates = 5\nstart", "", "is not valid TOML"),
     (load_track, "x = " + "[" * 5000, "", "is not valid TOML"),
     (load_track, "#" * 1_000_001, "", "is larger than 1 MB"),

@@ -2,10 +2,11 @@ import re
 
 import pytest
 
-from hotlap.files.descriptions import TYPES, Kind, load, load_track
+from hotlap.feasibility import Level, describe
+from hotlap.files.descriptions import Kind, load, load_track
 from hotlap.files.documented_keys import documented_keys
+from hotlap.files.recognition import TYPES
 from hotlap.files.templates import EXAMPLES, HEADS, new
-from hotlap.planning.feasibility import Level, describe
 from hotlap.system.text_files import create
 
 KINDS = pytest.mark.parametrize("kind", list(Kind))

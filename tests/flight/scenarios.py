@@ -11,9 +11,9 @@ from hotlap.core.records import Flights
 from hotlap.files.descriptions import load_race
 from hotlap.flight.fly import fly_batch
 from hotlap.flight.numbers import Numbers, best_numbers
-from hotlap.planning.attitude import follow_axes, turn_rates
 from hotlap.race.race import Race
 from hotlap.race.track import Gate, Track
+from hotlap.reference.attitude import follow_axes, turn_rates
 from hotlap.reference.reference import PERIOD, Reference
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments

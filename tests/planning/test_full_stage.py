@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from hotlap.files.descriptions import load_quadrotor
-from hotlap.planning import run_out
 from hotlap.planning.full_stage import full_parameters, full_stage, full_stage_of
 from hotlap.planning.planner import find_plan
 from hotlap.planning.problem import Problem
@@ -19,6 +18,7 @@ from hotlap.planning.sampling import last_acceleration, states_at
 from hotlap.race.flight_performance import top_speed
 from hotlap.race.race import PlanDynamics, PlanningSettings, Race
 from hotlap.race.track import Gate, Track
+from hotlap.reference import run_out
 
 from . import small
 

@@ -53,7 +53,7 @@ RACES = {
         spheres=({"position": (7.6, 1.5, 1.5), "radius": 0.4},),
         boxes=({"low": (2.0, 0.8, 0.0), "high": (3.0, 1.8, 3.0)},),
     ),
-    "within walls": make_race(SQUARE, LAST, floor=0.0, box={"low": (-0.1, -1.0, 0.0), "high": (10.9, 4.0, 2.2)}),
+    "within walls": make_race(SQUARE, LAST, floor=0.0, box={"low": (-0.2, -1.0, 0.0), "high": (10.9, 4.0, 2.2)}),
     "all dynamics": make_race(
         SQUARE, LAST, planning={"dynamics": PlanDynamics.FULL, "quadrotor": None}, end=(14.0, 4.0, 1.5), end_at_rest=True
     ),
@@ -82,8 +82,7 @@ def met(name: str) -> tuple[Encounter, ...]:
 
 @each_race
 def test_every_gate_is_passed_in_turn_and_nothing_is_touched(name):
-    allowed = {EncounterKind.PASSED, EncounterKind.BOX} if name == "within walls" else {EncounterKind.PASSED}
-    assert {encounter.kind for encounter in met(name)} <= allowed
+    assert {encounter.kind for encounter in met(name)} == {EncounterKind.PASSED}
     passed = [encounter for encounter in met(name) if encounter.kind is EncounterKind.PASSED]
     assert len(passed) == len(RACES[name].track.counted)
 
@@ -100,10 +99,6 @@ def test_gate_times_are_those_at_which_the_planes_are_crossed(name):
         if plane is not None:
             assert_allclose(plane.to_gate(place)[0], 0.0, atol=1e-3)
             assert plane.rim_distance(plane.to_gate(place)[1:]) + (RADIUS if plane.solid else 0.0) < 1e-3
-
-
-def test_only_the_start_touches_the_box():
-    assert all(encounter.time < 0.3 for encounter in met("within walls") if encounter.kind is EncounterKind.BOX)
 
 
 def test_a_flying_start_and_an_end_at_rest_are_kept():
@@ -130,7 +125,7 @@ def test_a_clearance_is_kept_from_the_rim():
 
 @pytest.mark.check
 def test_a_gate_that_is_walled_in_is_refused_by_what_is_in_the_way():
-    walls = [{"low": (3.0, -50.0, -50.0), "high": (4.0, 50.0, 50.0)}]
+    walls = [{"low": (3.0, -500.0, -500.0), "high": (4.0, 500.0, 500.0)}]
     with pytest.raises(PlanningError, match="gate 1: no way to it was found; the best one touches box 1"):
         plan(make_race(LAST, boxes=tuple(walls), planning={"nodes": 4}), cache=False)
 
@@ -146,6 +141,15 @@ REFUSED = {
     "a point in an obstacle": (
         make_race((5.0, 0.0, 1.5), poles=({"position": (5.0, 0.0), "radius": 0.5},)),
         "gate 1: its middle is 0 m from pole 1",
+    ),
+    "a start at the box": (
+        make_race(LAST, box={"low": (-1.0, -0.1, 0.0), "high": (11.0, 4.0, 3.0)}),
+        r"the start is 0\.1 m from the box, and the vehicle needs its radius of 0\.2 m",
+    ),
+    "a start below the ceiling": (make_race(LAST, ceiling=1.6), r"the start is 0\.1 m from the ceiling"),
+    "an opening that the box cuts off": (
+        make_race(LAST, {**SQUARE, "position": (5.0, -0.25, 1.5), "side": 0.5}, box={"low": (-1.0, -0.3, 0.0), "high": (11.0, 4.0, 3.0)}),
+        "gate 2: its opening is blocked by the box",
     ),
     "an opening that is blocked": (
         make_race(LAST, SQUARE, boxes=({"low": (4.9, -0.6, 0.8), "high": (5.1, 0.6, 2.2)},)),

@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from hotlap.dynamics.models import planning_model
-from hotlap.planning.attitude import thrust_axis
 from hotlap.planning.minimum_time import model_parameters, ramped_limits
+from hotlap.reference.attitude import thrust_axis
 
 from . import small
 

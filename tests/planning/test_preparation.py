@@ -12,8 +12,8 @@ from hotlap.core.errors import InputError
 from hotlap.files.descriptions import save
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.planning.preparation import differences, parameters_for, prepare
-from hotlap.planning.reference_csv import save_reference
 from hotlap.reference.segmentation import SegmentationRule, SegmentClass, Segments, segment
+from hotlap.reference_files.csv import save_reference
 
 SCENARIO = make_scenario()
 

@@ -22,9 +22,15 @@ def targets(*gates: Any, radius: float = 0.2, clearance: float | None = None, **
     return targets_of(race.model_copy(update={"track": own, "vehicle": race.vehicle.model_copy(update={"radius": radius})}))
 
 
-def test_a_bare_point_is_a_ball_of_the_tolerance_and_a_ball_one_of_its_own():
-    point, ball = targets((5.0, 0.0, 1.0), {"position": (8.0, 0.0, 1.0), "radius": 0.6})
+def test_a_bare_point_is_a_ball_of_the_tolerance_and_one_that_does_not_count_has_all_of_its_own():
+    point, ball = targets((5.0, 0.0, 1.0), {"position": (8.0, 0.0, 1.0), "radius": 0.6, "counts": False})
     assert (point.radius, ball.radius, point.plane, ball.plane) == (0.2, 0.6, None, None)
+
+
+@pytest.mark.parametrize(("clearance", "radius"), [(None, 0.3), (0.0, 0.6), (0.1, 0.5), (0.9, 0.3)])
+def test_a_ball_that_counts_is_entered_by_the_clearance_but_never_beyond_half_of_it(clearance, radius):
+    (ball,) = targets({"position": (5.0, 0.0, 1.0), "radius": 0.6}, clearance=clearance)
+    assert ball.radius == pytest.approx(radius)
 
 
 def test_a_gate_with_a_direction_is_two_planes_as_far_away_as_the_vehicle_reaches():

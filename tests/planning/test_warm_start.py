@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from hotlap.planning.attitude import thrust_axis
 from hotlap.planning.point_mass import plan_point_mass
 from hotlap.planning.warm_start import around_point_mass, hover_along, straight_lines
+from hotlap.reference.attitude import thrust_axis
 
 from . import small
 

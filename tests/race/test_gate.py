@@ -98,6 +98,8 @@ def test_without_a_direction_it_is_passed_along_its_normal():
         ({"yaw": 0.0, "height": 1.0}, "width: is missing"),
         ({"yaw": 0.0, "side": 0.0}, "greater than 0"),
         ({"yaw": 0.0, "side": 1.0, "frame": -0.1}, "greater than or equal to 0"),
+        ({"yaw": 0.0, "side": 1e300}, "less than or equal to 100000"),
+        ({"yaw": 0.0, "corners": regular(3, 1e200)}, r"a corner .* m from the position; corners are in metres"),
         ({"yaw": 0.0, "corners": ((0.0, 1.0), (1.0, 0.0))}, "corners\n.*a polygon has 3 to 12 corners, not 2"),
         ({"yaw": 0.0, "corners": regular(13, 1.0)}, "3 to 12 corners, not 13"),
         ({"yaw": 0.0, "corners": ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))}, "not those of a convex polygon"),

@@ -93,6 +93,12 @@ def test_leaving_the_bounds_is_met_once_for_each_time(bounds, kind, name):
     assert [found for found in met(track(**bounds), *path) if found[0] is not Kind.PASSED] == [(kind, name)] * 2
 
 
+def test_a_drone_that_stands_on_the_lower_side_of_the_box_touches_nothing():
+    box = {"low": (-1.0, -1.0, 0.0), "high": (9.0, 1.0, 2.0)}
+    assert met(track(box=box), (0, 0, 0), (2, 0, 1), (8, 0, 1)) == [(Kind.PASSED, "gate 1")]
+    assert (Kind.BOX, "the box") in met(track(box=box), (0, 0, -0.01), (2, 0, 1), (8, 0, 1))
+
+
 def test_balls_around_the_same_place_are_passed_one_after_the_other():
     course = track(({"position": (3.0, 0.0, 1.0), "radius": 0.5}, {"position": (3.0, 0.1, 1.0), "radius": 0.5}))
     assert met(course, (0, 0, 1), (8, 0, 1)) == [(Kind.PASSED, "gate 1"), (Kind.PASSED, "gate 2")]

@@ -18,10 +18,9 @@ from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
 from hotlap.system.processors import available
 
-SOURCES = tuple(  # packages that decide about a flight, and so about all that is computed from flights
-    f"hotlap.{name}"
-    for name in ("core", "dynamics", "race", "reference", "flight", "planning", "worlds", "tuners", "tuning", "first_guess")
-)
+DECIDING = ("core", "dynamics", "race", "reference", "reference_files", "flight", "planning", "worlds", "tuners", "tuning", "first_guess")
+SOURCES = tuple(f"hotlap.{name}" for name in DECIDING)
+"""Packages that decide about a flight, and so about all that is computed from flights."""
 
 Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]
 """(unit, wanted, done) -> a context, in which to call what it gives with a few words on each piece that has ended."""

@@ -15,10 +15,11 @@ from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import load as load_race
 from hotlap.api.scenarios import make_ready, make_scenario
 from hotlap.core.errors import InputError, PlanningError
-from hotlap.files.descriptions import TYPES, Description, Kind, load
-from hotlap.planning.feasibility import Finding, Level, describe
-from hotlap.planning.plan_feasibility import describe_flown
-from hotlap.planning.race_feasibility import describe_race
+from hotlap.feasibility import Finding, Level, describe
+from hotlap.feasibility.flown import describe_flown
+from hotlap.feasibility.race import describe_race
+from hotlap.files.descriptions import Description, Kind, load
+from hotlap.files.recognition import TYPES
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.track import Track

@@ -15,10 +15,10 @@ from hotlap.core.errors import PlanningError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import End
 from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.feasibility.finding import Finding, Level, note_if
+from hotlap.feasibility.flown import rooms
+from hotlap.feasibility.race import SAME_MASS, missing_mass, unknown_latency
 from hotlap.first_guess.names import DEFAULT, LEARNED
-from hotlap.planning.finding import Finding, Level, note_if
-from hotlap.planning.plan_feasibility import rooms
-from hotlap.planning.race_feasibility import SAME_MASS, missing_mass, unknown_latency
 from hotlap.race.race import NoiseSettings, Race
 from hotlap.reference.scenario import Scenario
 from hotlap.tuning.objective import Objective

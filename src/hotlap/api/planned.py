@@ -11,9 +11,9 @@ from hotlap.api.inputs import as_path, check_source, check_target
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import load, make_scenario
 from hotlap.api.wording import seconds
-from hotlap.planning.reference_csv import save_reference
 from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
+from hotlap.reference_files.csv import save_reference
 from hotlap.report.formats import SUFFIXES
 
 if TYPE_CHECKING:

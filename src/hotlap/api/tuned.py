@@ -22,10 +22,10 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation
 from hotlap.core.version import __version__
+from hotlap.feasibility.demands import advice
+from hotlap.feasibility.race import loose_judge
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
 from hotlap.files.parameters_file import Remark, SavedParameters
-from hotlap.planning.race_feasibility import loose_judge
-from hotlap.planning.reference_demands import advice
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
 from hotlap.study.result import Result

@@ -13,8 +13,9 @@ from hotlap.api.checking import check
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import present, table
 from hotlap.cli.progress import TERMINAL
+from hotlap.feasibility.finding import Finding, Level
 from hotlap.files.descriptions import Kind
-from hotlap.planning.finding import Finding, Level
+from hotlap.race.race import Race
 from hotlap.race.track import Track
 
 WIDEST = 100  # columns of a map
@@ -35,13 +36,14 @@ def run(options: Namespace) -> int:
 
 
 def _picture(checked: CheckedFile) -> list[str]:
-    """A track as a map: a wrong sign shows at once."""
-    if not isinstance(checked.description, Track):
+    """A track as a map, and that of a race whose gates have openings: a wrong sign shows at once."""
+    track = checked.description.track if isinstance(checked.description, Race) else checked.description
+    if not isinstance(track, Track) or (checked.kind is Kind.RACE and not track.has_openings):
         return []
     from hotlap.report.map import draw_track  # noqa: PLC0415  only for tracks
 
     width = min(shutil.get_terminal_size().columns, WIDEST)
-    return draw_track(checked.description, width=width, height=width // 4).splitlines()
+    return draw_track(track, width=width, height=width // 4).splitlines()
 
 
 def _next(checked: CheckedFile, options: Namespace) -> str:

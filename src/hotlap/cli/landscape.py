@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hotlap.analysis.landscape import Landscape, axes, survey
 from hotlap.api.inputs import check_range, check_source, check_target
@@ -15,9 +17,12 @@ from hotlap.cli.output import facts, note, present, working
 from hotlap.cli.progress import follow_pieces
 from hotlap.core.errors import UnknownNameError
 from hotlap.planning.preparation import prepare
+from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule
 from hotlap.report.formats import SUFFIXES
 from hotlap.worlds.built_in import BuiltIn
+
+Floats = NDArray[np.float64]
 
 MOST_POINTS, MOST_FLIGHTS = 500, 100
 
@@ -49,7 +54,21 @@ def run(options: Namespace) -> int:
 
         title = f"{race.name}: {percent(float((grid == 1).mean()))} of the map complete"
         draw_maps(options.out, axes(scenario, wanted), (options.x, options.y), [grid], [title], (middle[options.x], middle[options.y]))
-    x, y = axes(scenario, wanted)
+    document, lines = _words(options, scenario, wanted, grid)
+    present(as_json=options.json, document=document, lines=lines)
+    return 0
+
+
+def _words(options: Namespace, scenario: Scenario, wanted: Landscape, grid: Floats) -> tuple[dict[str, Any], list[str]]:
+    """The map as JSON, and what it shows in lines.
+
+    Args:
+        options: of the command.
+        scenario: that was flown.
+        wanted: what the map is of.
+        grid: shape (points, points) completion [-], y by x.
+    """
+    race, (x, y) = scenario.race, axes(scenario, wanted)
     best = np.unravel_index(int(np.argmax(grid)), grid.shape)
     document = {
         "race": race.name,
@@ -71,5 +90,4 @@ def run(options: Namespace) -> int:
             }
         ),
     ]
-    present(as_json=options.json, document=document, lines=lines)
-    return 0
+    return document, lines

@@ -6,8 +6,8 @@ from argparse import Namespace
 from typing import Any
 
 from hotlap.cli.output import present, table
+from hotlap.feasibility.race import beyond, thrust_share, unknown_latency
 from hotlap.files.descriptions import Kind, load_race, names
-from hotlap.planning.race_feasibility import beyond, thrust_share, unknown_latency
 
 HEADER = ("race", "track", "gates", "v_max", "vehicle", "rule", "thrust", "latency", "provenance")
 LONGEST = 30  # characters of a provenance

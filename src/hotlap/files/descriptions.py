@@ -1,16 +1,13 @@
 """Descriptions: tracks, quadrotors, races and tuned parameters, read from and written to TOML files.
 
-No other module reads files of a user; an error is one line with the file, the key and the reason.
+No other package reads files of a user but for references and imports; an error is one line with the file, the key and the reason.
 A description may build on another (`base = "circle-34"`), and a race refers to its track and quadrotors by name, by path or
 by a table. Whatever is referred to is read and checked by itself first.
 """
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files as package_files
 from importlib.resources.abc import Traversable
@@ -24,6 +21,8 @@ from hotlap.files.documented_keys import table_of
 from hotlap.files.error_messages import check, show
 from hotlap.files.kinds import Kind
 from hotlap.files.parameters_file import SavedParameters
+from hotlap.files.recognition import TYPES, kind_by_keys, refuse_other_kind, strangers
+from hotlap.files.toml_reader import read
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.schema import Described
@@ -33,13 +32,9 @@ from hotlap.system.text_files import cause_of, replace
 Description = Track | Quadrotor | Race
 
 PARAMETERS_FILE = "parameters.toml"  # in a study's folder
-MAX_BYTES = 1_000_000  # a description takes a few thousand
 ANY = "race, track or quadrotor"
 OWN = frozenset({"name", "provenance"})  # keys that a file does not inherit from its base
 LISTS = ("gates", "poles", "spheres", "boxes")  # of tables, in a track
-
-
-TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kind.QUADROTOR: Quadrotor}
 
 
 @dataclass(frozen=True)
@@ -154,33 +149,6 @@ def save_parameters(path: str | Path, parameters: SavedParameters) -> None:
     replace(path, head + toml_writer.write(parameters.to_table()))
 
 
-def read(path: Path | Traversable, label: str) -> dict[str, Any]:
-    """The table of a TOML file.
-
-    Args:
-        path: the file.
-        label: what messages call it.
-
-    Raises:
-        InputError: when it cannot be read, or is no TOML.
-    """
-    try:
-        if not path.is_file():
-            raise InputError(label, "", "is a folder, not a file" if path.is_dir() else "is not a file of text")
-        content = path.read_bytes() if not isinstance(path, Path) or path.stat().st_size <= MAX_BYTES else None
-        if content is None:
-            raise InputError(label, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is not a description")
-        return tomllib.loads(content.decode("utf-8-sig"))
-    except UnicodeDecodeError as error:
-        raise InputError(label, "", f"is not UTF-8 text (byte {error.start + 1})") from None
-    except RecursionError:
-        raise InputError(label, "", "is not valid TOML: nested too deeply") from None
-    except OSError as error:
-        raise InputError(label, "", f"cannot be read: {cause_of(error)}") from None
-    except ValueError as error:
-        raise InputError(label, "", f"is not valid TOML: {error}") from None
-
-
 def _everything() -> set[str]:
     """Names of the built-in descriptions of all kinds."""
     return {name for kind in Kind for name in names(kind)}
@@ -193,7 +161,7 @@ def _data(kind: Kind) -> Traversable:
 def _load(kind: Kind, reference: str, place: _Place, key: str) -> Any:
     """Read, complete and check the description that a name or path refers to."""
     table, inner = _open(kind, reference, names(kind), place, key)
-    _refuse_other_kind(kind, table, inner.label)
+    refuse_other_kind(kind, table, inner.label)
     base = table.pop("base", None)
     parent = None if base is None else _refer(kind, base, inner, "base")
     table.setdefault("name", Path(reference).stem if inner.folder else reference)
@@ -303,39 +271,13 @@ def _overlay(parent: Described | None, table: dict[str, Any], dropped: frozenset
     return merged
 
 
-def _own_keys(table: dict[str, Any]) -> dict[Kind, int]:
-    """How many keys a table has of each kind, without those that every kind has."""
-    shared = set.intersection(*(set(description.model_fields) for description in TYPES.values()))
-    return {kind: len((set(table) - shared) & set(description.model_fields)) for kind, description in TYPES.items()}
-
-
-def _refuse_other_kind(kind: Kind, table: dict[str, Any], label: str) -> None:
-    """Refuse a file that describes another kind, before its keys are checked."""
-    counts = _own_keys(table)
-    other = max(counts, key=lambda each: counts[each])
-    if counts[other] and not counts[kind]:
-        hint = "; a race names its track and its vehicle: hotlap new race NAME" if kind is Kind.RACE else ""
-        raise InputError(label, "", f"describes a {other}, not a {kind}{hint}")
-
-
 def _kind_of(table: dict[str, Any], place: _Place) -> Kind:
     """What a table describes, by the keys that only one kind has, or else by what it builds on."""
-    counts = _own_keys(table)
-    best = max(counts, key=lambda kind: counts[kind])
-    if counts[best]:
-        return best
+    told = kind_by_keys(table)
+    if told is not None:
+        return told
     base = table.get("base")
     if isinstance(base, str):
         known = [kind for kind in Kind if base in names(kind)]
         return known[0] if known else _kind_of(*_open(ANY, base, _everything(), place, "base"))
-    raise InputError(place.label, "", f"is neither a race (it has a track), a track (gates) nor a quadrotor (mass){_strangers(table)}")
-
-
-def _strangers(table: dict[str, Any]) -> str:
-    """The first key of a table that nothing has, with the nearest name that something has."""
-    available = list(dict.fromkeys(key for description in TYPES.values() for key in description.model_fields))
-    unknown = next((key for key in table if key not in available), None)
-    if unknown is None:
-        return ""
-    near = get_close_matches(unknown, available, n=1)
-    return f"; there is no key {unknown}{f' (did you mean {near[0]}?)' if near else ''}"
+    raise InputError(place.label, "", f"is neither a race (it has a track), a track (gates) nor a quadrotor (mass){strangers(table)}")

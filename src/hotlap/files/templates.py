@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from hotlap.files import toml_writer
-from hotlap.files.descriptions import TYPES, Kind
 from hotlap.files.documented_keys import Key, documented_keys
+from hotlap.files.kinds import Kind
+from hotlap.files.recognition import TYPES
 from hotlap.race.schema import Described
 
 HEADS: Mapping[Kind, str] = {

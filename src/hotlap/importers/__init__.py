@@ -14,8 +14,8 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from hotlap.core.errors import InputError
-from hotlap.files.descriptions import TYPES
 from hotlap.files.kinds import Kind
+from hotlap.files.recognition import TYPES
 from hotlap.importers import agilicious, drone_models, fast_fly, lsy_drone_racing, mrs, rpg_time_optimal, sdf, togt, urdf
 from hotlap.importers.content import Content
 from hotlap.importers.documents import read_document

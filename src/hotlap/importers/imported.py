@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from hotlap.files.descriptions import TYPES
 from hotlap.files.error_messages import check
 from hotlap.files.kinds import Kind
+from hotlap.files.recognition import TYPES
 from hotlap.files.toml_writer import write_value
 from hotlap.importers.content import printable
 from hotlap.race.quadrotor import Quadrotor

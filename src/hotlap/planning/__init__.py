@@ -45,8 +45,8 @@ def plan(race: Race, *, cache: bool = True) -> Reference:
 def _make(problem: Problem) -> Reference:
     """Plan, sample and extend."""
     from hotlap.planning.planner import find_plan  # noqa: PLC0415  CasADi is not needed for a cached plan
-    from hotlap.planning.run_out import extend  # noqa: PLC0415
     from hotlap.planning.sampling import last_acceleration, sample  # noqa: PLC0415
+    from hotlap.reference.run_out import extend  # noqa: PLC0415
 
     start = time.process_time()
     trajectory = find_plan(problem)

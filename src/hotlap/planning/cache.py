@@ -24,6 +24,7 @@ SCALARS = ("duration", "cpu_time", "period")
 SOURCES = (
     "hotlap.planning",
     "hotlap.dynamics",
+    "hotlap.race.airframe",
     "hotlap.race.quadrotor",
     "hotlap.race.gate",
     "hotlap.race.gate_plane",
@@ -31,25 +32,12 @@ SOURCES = (
     "hotlap.race.track",
     "hotlap.race.bodies",
     "hotlap.race.solids",
+    "hotlap.reference.attitude",
     "hotlap.reference.encounters",
     "hotlap.reference.reference",
+    "hotlap.reference.run_out",
 )
-MAKE_NO_PLANS = (
-    "hotlap.planning.feasibility",
-    "hotlap.planning.finding",
-    "hotlap.planning.flatness",
-    "hotlap.planning.passages",
-    "hotlap.planning.plan_feasibility",
-    "hotlap.planning.preparation",
-    "hotlap.planning.race_feasibility",
-    "hotlap.planning.reference_checks",
-    "hotlap.planning.reference_columns",
-    "hotlap.planning.reference_csv",
-    "hotlap.planning.reference_demands",
-    "hotlap.planning.reference_frames",
-    "hotlap.planning.reference_table",
-    "hotlap.planning.thrust_vectors",
-)
+MAKE_NO_PLANS = ("hotlap.planning.preparation",)
 OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
 OF_FULL = {"motor_time", "drag", "rotor_drag", "body_drag", "rate_gain", "torque_damping"}  # what one with all dynamics uses besides
 

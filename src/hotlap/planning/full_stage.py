@@ -22,7 +22,7 @@ from hotlap.dynamics.models import airframe, angular_acceleration, power_series
 from hotlap.dynamics.parameter_layout import AIRFRAME
 from hotlap.planning.problem import Floats, Problem, Trajectory
 from hotlap.planning.stage import SUBSTEPS, Stage, normalised, runge_kutta, stage, symbols
-from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.airframe import airframe_parameters
 
 BODY, ROTORS, COMMANDED = slice(0, 13), slice(13, 17), slice(17, 20)  # of the state
 DRAGS = frozenset({"drag", "rotor_drag", "body_drag"})
@@ -64,20 +64,6 @@ def _moments(z: Any) -> tuple[tuple[Any, Any, Any], Any]:
     second = 1 / 2 - z * third
     first = 1 - z * second
     return (24 * third - 6 * second, 6 * second - 12 * third, 6 * first - 18 * second + 24 * third), 1 - z * first
-
-
-def airframe_parameters(quadrotor: Quadrotor) -> Floats:
-    """A quadrotor's values of `AIRFRAME`."""
-    values = {
-        "mass": quadrotor.mass,
-        "gravity": quadrotor.gravity,
-        "inertia": quadrotor.inertia_vector,
-        "torques": quadrotor.torque_matrix,
-        "drag": quadrotor.drag,
-        "rotor_drag": quadrotor.rotor_drag,
-        "body_drag": quadrotor.body_drag,
-    }
-    return np.concatenate([np.ravel(values[name]) for name in AIRFRAME])
 
 
 def full_parameters(problem: Problem) -> Floats:

@@ -7,13 +7,13 @@ import dataclasses
 import numpy as np
 
 from hotlap.planning.bounds import bound_positions
-from hotlap.planning.full_stage import airframe_parameters
 from hotlap.planning.ipopt import Limits, Solution, solve
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.problem import LONGEST, Problem, Trajectory
 from hotlap.planning.shooting import Shooting
 from hotlap.planning.stage import point_mass_in_air_stage, point_mass_stage
 from hotlap.planning.warm_start import straight_lines
+from hotlap.race.airframe import airframe_parameters
 
 INTERVALS = 10  # of a phase
 THRUST_SHARE = 0.99  # of the quadrotor's, so that it can turn as well

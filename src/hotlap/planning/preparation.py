@@ -11,10 +11,10 @@ from hotlap.core.errors import InputError
 from hotlap.files.descriptions import load_race
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.planning import plan
-from hotlap.planning.reference_csv import read_reference
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule, Segments, segment
+from hotlap.reference_files.csv import read_reference
 
 MOVED = 0.1  # s by which starts of segments may differ and be called the same
 

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.dynamics.models import airframe
-from hotlap.planning.attitude import continuous
-from hotlap.planning.full_stage import airframe_parameters
 from hotlap.planning.minimum_time import RATES, model_parameters, rotor_thrusts, stage_of
 from hotlap.planning.problem import Floats, Problem, Trajectory
 from hotlap.planning.stage import ATTITUDE
+from hotlap.race.airframe import airframe_parameters
 from hotlap.race.gate_plane import GatePlane
+from hotlap.reference.attitude import continuous
 from hotlap.reference.reference import Reference, row_times
 
 CROSSING_SAMPLES = 200  # of the way through a gate

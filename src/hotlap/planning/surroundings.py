@@ -240,7 +240,7 @@ class Surroundings:
         return places[self.lacks(places)[0] <= 0] if len(places) else places
 
     def refuse_blocked(self) -> None:
-        """Refuse a start, end or ball in which the vehicle touches something, and an opening in which it does everywhere.
+        """Refuse a start, end or ball in which the vehicle touches more than the ground, and an opening in which it does everywhere.
 
         Raises:
             PlanningError: naming both.
@@ -248,7 +248,7 @@ class Surroundings:
         problem = self.problem
         places = [(None, "the start", problem.start, 0.0)]
         places += [(target.waypoint, "its middle", target.position, target.radius) for target in problem.targets if target.plane is None]
-        for kept in (kept for kept in self.kept if not kept.solid.wall):
+        for kept in (kept for kept in self.kept if not kept.solid.ground):
             for where, what, place, freedom in places:
                 distance = float(kept.solid.measure(place[None])[0][0])
                 if distance + freedom < kept.least:

@@ -79,7 +79,7 @@ def targets_of(race: Race) -> tuple[Target, ...]:
     for index, waypoint in enumerate(route):
         plane = plane_of(waypoint.gate, race.planning.tolerance)
         if plane is None:
-            found.append(_ball(waypoint, index, race.planning.tolerance))
+            found.append(_ball(race, waypoint, index))
             continue
         gap = min(float(np.linalg.norm(points[k] - plane.centre)) for k in (index, index + 2) if k < len(points))
         onwards = points[min(index + 2, len(points) - 1)] - points[index]
@@ -87,8 +87,11 @@ def targets_of(race: Race) -> tuple[Target, ...]:
     return tuple(found)
 
 
-def _ball(waypoint: Waypoint, index: int, tolerance: float) -> Target:
-    radius = waypoint.gate.radius or tolerance
+def _ball(race: Race, waypoint: Waypoint, index: int) -> Target:
+    """A point within the tolerance, or a ball: one that counts is entered by the clearance, at most half way, for flights to err by."""
+    radius, clearance = waypoint.gate.radius or race.planning.tolerance, race.planning.clearance
+    if waypoint.counts and waypoint.gate.radius:
+        radius -= 0.5 * radius if clearance is None else min(clearance, 0.5 * radius)
     return Target(waypoint.name, index, waypoint.counts, np.array(waypoint.gate.position), radius)
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from hotlap.planning.attitude import follow_axes, product, turn_rates
 from hotlap.planning.guess import along_normals
 from hotlap.planning.problem import Floats, Problem, Trajectory
+from hotlap.reference.attitude import follow_axes, product, turn_rates
 
 SHORTEST_GUESS = 0.1  # s, of a phase
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import field_validator, model_validator
 
-from hotlap.race.schema import Described, NotNegative, Positive, Vector3
+from hotlap.race.schema import LARGEST, Described, Size, Thickness, Vector3
 
 MOST_CORNERS = 12
 FLAT = 1e-9  # m^2: what an area below counts as nothing
@@ -33,19 +33,19 @@ class PassingDirection(StrEnum):
 class Opening(Described):
     """The hole of a gate: a circle, a square, a rectangle or a convex polygon, and the frame around it."""
 
-    radius: Positive | None = None
+    radius: Size | None = None
     """[m] of a round opening; without an orientation, of a ball around the position."""
-    side: Positive | None = None
+    side: Size | None = None
     """[m] of a square opening."""
-    width: Positive | None = None
+    width: Size | None = None
     """[m] of a rectangular opening, to left and right."""
-    height: Positive | None = None
+    height: Size | None = None
     """[m] of a rectangular opening, up and down."""
     corners: tuple[tuple[float, float], ...] = ()
     """[m] (gate) of a convex opening: (left, up) from the position, in either order around it."""
-    depth: NotNegative = 0.0
+    depth: Thickness = 0.0
     """[m] length of a tunnel along the normal, half of it on each side of the position."""
-    frame: NotNegative = 0.0
+    frame: Thickness = 0.0
     """[m] width of the solid frame around the opening, which must not be touched; 0: no frame."""
 
     @field_validator("corners")
@@ -56,6 +56,8 @@ class Opening(Described):
         if not 3 <= len(corners) <= MOST_CORNERS:
             raise ValueError(f"a polygon has 3 to {MOST_CORNERS} corners, not {len(corners)}")
         points = np.array(corners)
+        if np.abs(points).max() > LARGEST:
+            raise ValueError(f"a corner {np.abs(points).max():.3g} m from the position; corners are in metres")
         along = np.roll(points, -1, axis=0) - points
         onwards = np.roll(along, -1, axis=0)
         turns = along[:, 0] * onwards[:, 1] - along[:, 1] * onwards[:, 0]

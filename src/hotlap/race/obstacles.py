@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import model_validator
 
-from hotlap.race.schema import Described, Positive, Vector3
+from hotlap.race.schema import Described, Size, Vector3
 
 
 class Pole(Described):
@@ -12,7 +12,7 @@ class Pole(Described):
 
     position: tuple[float, float]
     """[m] (world) its axis: x and y."""
-    radius: Positive
+    radius: Size
     """[m] half of its thickness."""
     top: float | None = None
     """[m] (world) height of its upper end. None: endless."""
@@ -31,7 +31,7 @@ class Sphere(Described):
 
     position: Vector3
     """[m] (world) its centre."""
-    radius: Positive
+    radius: Size
     """[m] of it."""
 
 

@@ -12,6 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field
 Vector3 = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
+LARGEST = 1e5  # m: a size or coordinate beyond this is a mistake of units
+Size = Annotated[float, Field(gt=0, le=LARGEST)]
+Thickness = Annotated[float, Field(ge=0, le=LARGEST)]
 
 
 class Described(BaseModel):

@@ -35,8 +35,13 @@ class Solid:
 
     @property
     def wall(self) -> bool:
-        """Whether it bounds the course: start and gates may stand at it."""
+        """Whether it bounds the course."""
         return isinstance(self.bodies[0], Wall)
+
+    @property
+    def ground(self) -> bool:
+        """Whether it bounds the course from below: start and gates may stand on it."""
+        return isinstance(self.bodies[0], Wall) and self.bodies[0].normal[2] > 0
 
     @cached_property
     def ball(self) -> tuple[Floats, float]:

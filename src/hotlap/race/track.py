@@ -10,11 +10,10 @@ from pydantic import Field, field_validator, model_validator
 
 from hotlap.race.gate import Gate, Opening
 from hotlap.race.obstacles import Box, Pole, Sphere
-from hotlap.race.schema import Described, Vector3
+from hotlap.race.schema import LARGEST, Described, Vector3
 
 __all__ = ["Gate", "Track", "Waypoint"]
 
-REACH = 1e5  # m: beyond this a coordinate is a mistake of units
 SHORTEST = 0.1  # m: a track below this is a mistake of units
 MOST_LAPS = 50
 
@@ -84,14 +83,15 @@ class Track(Described):
 
     @model_validator(mode="after")
     def _apart(self) -> Track:
-        points, names = np.vstack([self.start, self.waypoints]), ["start", *(point.key for point in self.route)]
+        points, keys = np.vstack([self.start, self.waypoints]), ["start", *(point.key for point in self.route)]
+        names = ["the start", *(point.name for point in self.route)]
         extents = np.abs(points).max(axis=1)
-        if extents.max() > REACH:
-            raise ValueError(f"{names[int(extents.argmax())]}: a coordinate of {extents.max():.3g} m; coordinates are in metres")
+        if extents.max() > LARGEST:
+            raise ValueError(f"{keys[int(extents.argmax())]}: a coordinate of {extents.max():.3g} m; coordinates are in metres")
         gaps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         if gaps.min() < 1e-6:
             i = int(gaps.argmin())
-            raise ValueError(f"{names[i + 1]}: the same point as {names[i]}, just before it")
+            raise ValueError(f"{keys[i + 1]}: {names[i + 1]} is at the same point as {names[i]}, just before it")
         if gaps.sum() < SHORTEST:
             raise ValueError(f"gates: the whole track is {gaps.sum():.2g} m long; coordinates are in metres, not in degrees")
         if not any(gate.counts for gate in self.gates):

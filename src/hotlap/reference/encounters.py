@@ -172,11 +172,12 @@ SAME_MOMENT = 0.01  # s
 
 
 def _boundaries(times: Floats, positions: Floats, track: Track, radius: float) -> list[Encounter]:
-    """Where the path leaves the box, comes too near to the ceiling, or below the floor with its centre."""
+    """Where the path leaves the box or comes too near to the ceiling; below the floor, or the lower side of the box, with its centre."""
     found = []
     if track.box is not None:
-        inside = np.minimum(positions - np.array(track.box.low), np.array(track.box.high) - positions).min(axis=1)
-        found += _stretches(times, inside - radius, EncounterKind.BOX, "the box")
+        low, high = positions - np.array(track.box.low), np.array(track.box.high) - positions
+        low[:, 2] += radius  # a drone may stand there, as on a floor
+        found += _stretches(times, np.minimum(low, high).min(axis=1) - radius, EncounterKind.BOX, "the box")
     if track.ceiling is not None:
         found += _stretches(times, track.ceiling - radius - positions[:, 2], EncounterKind.CEILING, "the ceiling")
     if track.floor is not None:

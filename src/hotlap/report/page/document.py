@@ -10,8 +10,8 @@ import numpy as np
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation, wilson_interval
+from hotlap.feasibility.race import mistaken
 from hotlap.files.descriptions import PARAMETERS_FILE, to_toml
-from hotlap.planning.race_feasibility import mistaken
 from hotlap.race.quadrotor import rotor_positions
 from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario

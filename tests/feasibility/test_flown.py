@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hotlap.feasibility.finding import Level
+from hotlap.feasibility.flown import describe_flown, rooms
 from hotlap.files.descriptions import load_quadrotor
-from hotlap.planning.finding import Level
-from hotlap.planning.plan_feasibility import describe_flown, rooms
 from hotlap.race.gate import Gate, PassingDirection
 from hotlap.race.obstacles import Pole
 from hotlap.race.race import GateRule, JudgeSettings, PlanningSettings, Race

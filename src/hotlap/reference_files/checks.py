@@ -1,4 +1,4 @@
-"""Reference checks: whether the columns of a file belong to each other, and if not, what they look like.
+"""Checks: whether the columns of a file belong to each other, and if not, what they look like.
 
 Positions are taken as they are. Velocities have to be their derivative, rates have to belong to the attitudes, and the thrust axis of the
 attitudes has to point where the accelerations need it. Differences are taken over 50 ms, so that rounded or measured values pass.
@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
-from hotlap.planning.attitude import CONJUGATE, continuous, rotate, thrust_axis, turn_rates
-from hotlap.planning.reference_columns import GROUPS
-from hotlap.planning.reference_table import ACCELERATION, ANGLES, ATTITUDE, LEAST_ROWS, POSITION, RATES, THRUSTS, TIME, VELOCITY, Table
-from hotlap.race.track import REACH
+from hotlap.race.schema import LARGEST
+from hotlap.reference.attitude import CONJUGATE, continuous, rotate, thrust_axis, turn_rates
 from hotlap.reference.reference import PERIOD
+from hotlap.reference_files.columns import GROUPS
+from hotlap.reference_files.table import ACCELERATION, ANGLES, ATTITUDE, LEAST_ROWS, POSITION, RATES, THRUSTS, TIME, VELOCITY, Table
 
 Floats = NDArray[np.float64]
 
@@ -58,9 +58,9 @@ def check_columns(table: Table) -> Table:
         InputError: naming the columns, their frame and unit, and what they look like.
     """
     values = table.values
-    far = np.abs(values[:, POSITION]).max(axis=1) > REACH
+    far = np.abs(values[:, POSITION]).max(axis=1) > LARGEST
     if far.any():
-        raise table.error(int(far.argmax()), "p_x", f"lies more than {REACH:g} m away; positions are in metres")
+        raise table.error(int(far.argmax()), "p_x", f"lies more than {LARGEST:g} m away; positions are in metres")
     if table.has("attitude"):
         table = table.with_values(_with_unit_attitudes(table))
     if table.has("thrusts"):

@@ -1,4 +1,4 @@
-"""Reference columns: the names, units and order in which files of the field say what a reference does."""
+"""Columns: the names, units and order in which files of the field say what a reference does."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from hotlap.feasibility.demands import advice, demands
 from hotlap.files.descriptions import load_quadrotor
-from hotlap.planning.reference_demands import advice, demands
 from hotlap.race.flight_performance import steady_thrust
 from hotlap.reference.reference import PERIOD, Reference
 from planning import small

@@ -1,10 +1,4 @@
-"""References as CSV, the field's own format (rpg_time_optimal, AutoTune, agilicious, TOGT), in and out.
-
-    t, p_x, p_y, p_z, q_w, q_x, q_y, q_z, v_x, v_y, v_z, w_x, w_y, w_z, u_1, u_2, u_3, u_4
-
-Columns are found by name; an index in front and whatever stands behind is ignored. Conventions are those of `quadrotor.py`;
-u_1 to u_4 are rotor thrusts [N], held from a row to the next. Rows need not be evenly spaced. Time and position are needed; what is
-missing of the rest follows from them (`flatness`), and what is said of it is checked (`reference_checks`).
+"""Completion: a whole reference from what a file says: what is missing follows from the rest (`flatness`).
 
 Thrust per mass is what a controller feeds forward, so it must fit the motion of the file, whose drone may have had another
 mass than the race's planning model. Mass and drag are therefore fitted to the file's accelerations. Where the mass is not
@@ -13,129 +7,28 @@ the planning model's, thrusts are scaled from one to the other; where no mass fi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.planning import flatness
-from hotlap.planning.attitude import product, thrust_axis
-from hotlap.planning.reference_checks import (
-    axis_misfit,
-    check_angles,
-    check_axes,
-    check_columns,
-    check_times,
-    drag_of,
-    foreign_acceleration,
-)
-from hotlap.planning.reference_columns import GROUPS, WHOLE
-from hotlap.planning.reference_frames import between, in_track_frame
-from hotlap.planning.reference_table import (
-    ACCELERATION,
-    ATTITUDE,
-    POSITION,
-    RATES,
-    THRUSTS,
-    TIME,
-    VELOCITY,
-    YAW,
-    Table,
-    read_table,
-    without_repeated,
-)
-from hotlap.planning.run_out import extend
-from hotlap.planning.thrust_vectors import planned_thrust
 from hotlap.race.race import PlanDynamics, Race
+from hotlap.reference.attitude import thrust_axis
 from hotlap.reference.reference import PERIOD, Reference, row_times
-from hotlap.system.text_files import replace
+from hotlap.reference.run_out import extend
+from hotlap.reference_files import flatness
+from hotlap.reference_files.checks import axis_misfit, check_angles, check_axes, drag_of, foreign_acceleration
+from hotlap.reference_files.columns import GROUPS
+from hotlap.reference_files.resampling import resample
+from hotlap.reference_files.table import ACCELERATION, ATTITUDE, POSITION, RATES, THRUSTS, TIME, VELOCITY, YAW, Table
+from hotlap.reference_files.thrust_vectors import planned_thrust
 
 Floats = NDArray[np.float64]
 
-COLUMNS = tuple(name for group in WHOLE for name in GROUPS[group])
 SAME_MASS = 0.01  # relative difference up to which a fitted mass is taken for the planning model's
 SAME_DRAG = 0.01  # 1/s, likewise
 WORST_FIT = 0.05  # of the median acceleration: what the fit may leave unexplained in half of the rows
 
 
-@dataclass(frozen=True)
-class ReadReference:
-    """A reference from a file.
-
-    Attributes:
-        reference: every 10 ms, with its gate times and a run-out.
-        notes: what was assumed about the file, one line each, with its name.
-    """
-
-    reference: Reference
-    notes: tuple[str, ...]
-
-
-def load_reference(path: str | Path, race: Race) -> Reference:
-    """A reference from a CSV file, every 10 ms, with its gate times and a run-out.
-
-    Time begins with the first row. The track's gates must be passed in order, as the race's judge demands.
-
-    Args:
-        path: the file.
-        race: its track, vehicle, planning model and judge count.
-
-    Raises:
-        InputError: with the file, the line and column or the gate, and the reason.
-    """
-    return read_reference(path, race).reference
-
-
-def read_reference(path: str | Path, race: Race) -> ReadReference:
-    """The same, with what was assumed about the file.
-
-    Args:
-        path: the file.
-        race: its track, vehicle, planning model and judge count.
-
-    Raises:
-        InputError: with the file, the line and column or the gate, and the reason.
-    """
-    table = without_repeated(read_table(Path(path)))
-    check_times(table)
-    table = _with_velocities(check_columns(_without_orphans(table)))
-    table, gate_times = in_track_frame(table, race)
-    table, reference = _complete(table, race, gate_times)
-    return ReadReference(reference, tuple(f"{path}: {note}" for note in table.notes))
-
-
-def save_reference(path: str | Path, reference: Reference) -> None:
-    """Write the planned rows of a reference, and a last row at its duration; reading them gives the same rows bit for bit.
-
-    Gate times are not in the file: reading finds them anew, as closest approaches.
-
-    Raises:
-        InputError: when the file cannot be written.
-    """
-    rows = reference.planned_rows
-    columns = (reference.position, reference.attitude, reference.velocity, reference.rates, reference.rotor_thrusts)
-    table = np.hstack([reference.times[:rows, None], *(column[:rows] for column in columns)])
-    rest = reference.duration - table[-1, TIME]
-    if rest > 1e-9:
-        table = np.vstack([table, _continue(table, rest)])
-    text = "".join(",".join(map(repr, row)) + "\n" for row in table.tolist())
-    replace(path, ",".join(COLUMNS) + "\n" + text)
-
-
-def _continue(table: Floats, rest: float) -> Floats:
-    """The row that follows the last one after a rest of less than a period [s]."""
-    row = table[-1].copy()
-    acceleration = (table[-1, VELOCITY] - table[-2, VELOCITY]) / (table[-1, TIME] - table[-2, TIME])
-    attitude = product(row[ATTITUDE], np.append(1.0, rest / 2 * row[RATES]))
-    row[TIME] += rest
-    row[POSITION] += rest * row[VELOCITY] + rest**2 / 2 * acceleration
-    row[VELOCITY] += rest * acceleration
-    row[ATTITUDE] = attitude / np.linalg.norm(attitude)
-    return row
-
-
-def _without_orphans(table: Table) -> Table:
+def without_orphans(table: Table) -> Table:
     """The table with attitudes where it has their angles, and without what means nothing where there are no attitudes."""
     if table.has("attitude"):
         return table
@@ -148,7 +41,7 @@ def _without_orphans(table: Table) -> Table:
     return table
 
 
-def _with_velocities(table: Table) -> Table:
+def with_velocities(table: Table) -> Table:
     """The table with velocities."""
     if table.has("velocity"):
         return table
@@ -157,10 +50,16 @@ def _with_velocities(table: Table) -> Table:
     return table.with_values(values).noted("velocities follow from the positions")
 
 
-def _complete(table: Table, race: Race, gate_times: Floats) -> tuple[Table, Reference]:
-    """Resampled, with what follows from the rest and a run-out."""
+def complete(table: Table, race: Race, gate_times: Floats) -> tuple[Table, Reference]:
+    """Rows every 10 ms with what follows from the rest and a run-out; and the table with notes on it.
+
+    Args:
+        table: with velocities, in the frame of the track.
+        race: its track and planning model count.
+        gate_times: shape (gates,) [s] at which the file passes the gates.
+    """
     times = table.values[:, TIME] - table.values[0, TIME]
-    values = _resample(times, table.values, row_times(float(times[-1])))
+    values = resample(times, table.values, row_times(float(times[-1])))
     fitted = _fit(table, race) if table.has("attitude") and table.has("thrusts") else None
     if fitted is not None and table.has("rates") and table.has("velocity"):
         mass, drag = fitted
@@ -251,17 +150,3 @@ def _explained(accelerations: Floats, found: Floats) -> bool:
     """Whether half of the rows are explained well enough."""
     misfits = np.linalg.norm(accelerations - found, axis=1)
     return bool(np.median(misfits) < WORST_FIT * np.median(np.linalg.norm(accelerations, axis=1)))
-
-
-def _resample(times: Floats, values: Floats, at: Floats) -> Floats:
-    """Rows at other times: positions by cubics with the right velocities, thrusts held, the rest linearly."""
-    rows = np.clip(np.searchsorted(times, at + 1e-9, side="right") - 1, 0, len(times) - 2)
-    steps = (times[rows + 1] - times[rows])[:, None]
-    share = np.clip((at - times[rows])[:, None] / steps, 0.0, 1.0)
-    before, after = values[rows], values[rows + 1]
-    result = before + share * (after - before)
-    result[:, POSITION] = between(times, values[:, POSITION], values[:, VELOCITY], at)[0]
-    norms = np.linalg.norm(result[:, ATTITUDE], axis=1, keepdims=True)
-    result[:, ATTITUDE] /= np.where(np.abs(norms - 1) > 1e-12, norms, 1.0)
-    result[:, THRUSTS] = np.where(share < 1.0, before, after)[:, THRUSTS]
-    return result

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.planning.attitude import continuous, follow_axes, thrust_axis, turn_rates
-from hotlap.planning.thrust_vectors import axes_of
 from hotlap.race.quadrotor import Quadrotor
+from hotlap.reference.attitude import continuous, follow_axes, thrust_axis, turn_rates
+from hotlap.reference_files.thrust_vectors import axes_of
 
 Floats = NDArray[np.float64]
 

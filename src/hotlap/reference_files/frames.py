@@ -1,4 +1,4 @@
-"""Reference frames: files in other frames than the track's, told by whether the flight passes the gates."""
+"""Frames: files in other frames than the track's, told by whether the flight passes the gates."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
-from hotlap.planning.attitude import product
-from hotlap.planning.passages import MissedGateError, find_passages, targets_of
-from hotlap.planning.reference_table import ACCELERATION, ATTITUDE, POSITION, RATES, TIME, VELOCITY, YAW, Table
 from hotlap.race.race import GateRule, Race
+from hotlap.reference.attitude import product
 from hotlap.reference.reference import PERIOD
+from hotlap.reference_files.passages import MissedGateError, find_passages, targets_of
+from hotlap.reference_files.resampling import between
+from hotlap.reference_files.table import ACCELERATION, ATTITUDE, POSITION, RATES, TIME, VELOCITY, YAW, Table
 
 Floats = NDArray[np.float64]
 
@@ -79,16 +80,6 @@ def _passages(table: Table, race: Race) -> Floats:
         return find_passages(times, position, velocity, targets_of(race))
     except MissedGateError as error:
         raise InputError(table.source, error.gate, error.reason) from None
-
-
-def between(times: Floats, position: Floats, velocity: Floats, at: Floats) -> tuple[Floats, Floats]:
-    """Positions by cubics with the right velocities, and velocities linearly, at other times, shapes (at, 3)."""
-    rows = np.clip(np.searchsorted(times, at + 1e-9, side="right") - 1, 0, len(times) - 2)
-    steps = (times[rows + 1] - times[rows])[:, None]
-    share = np.clip((at - times[rows])[:, None] / steps, 0.0, 1.0)
-    p0, p1, v0, v1 = position[rows], position[rows + 1], velocity[rows] * steps, velocity[rows + 1] * steps
-    positions = p0 + share * v0 + share**2 * (3 * (p1 - p0) - 2 * v0 - v1) + share**3 * (2 * (p0 - p1) + v0 + v1)
-    return positions, velocity[rows] + share * (velocity[rows + 1] - velocity[rows])
 
 
 def _turned(table: Table, frame: _Frame) -> Table:

@@ -1,8 +1,8 @@
 import pytest
 
+from hotlap.feasibility import Level, describe
+from hotlap.feasibility.race import beyond, thrust_share, unknown_latency
 from hotlap.files.descriptions import load_quadrotor, load_race, load_track
-from hotlap.planning.feasibility import Level, describe
-from hotlap.planning.race_feasibility import beyond, thrust_share, unknown_latency
 
 
 def findings(description, **options):
@@ -47,8 +47,18 @@ def test_a_race_says_what_the_controller_does_not_know():
     assert found["controller's model"].remark == "differs in rotor_drag, delay"
     assert found["unknown latency"].value == "45 ms"
     assert found["unknown latency"].remark.startswith("0.90 m at top speed")
-    assert findings(load_race("split-s"))["unknown latency"].value == "0 ms"
-    assert findings(load_race("real-circle"))["unknown latency"].remark == "the controller predicts 45 ms further, over part of the lag"
+    assert findings(load_race("split-s"))["unknown latency"].remark == "the controller knows its dead time"
+
+
+def test_a_prediction_over_part_of_the_lag_is_no_unknown_latency():
+    race, words = load_race("real-circle"), "the controller knows its dead time, and predicts {} ms further, over part of the lag"
+    assert findings(race)["unknown latency"].remark == words.format(44), "by lag_lead"
+    longer = {"model": race.vehicle.model_copy(update={"delay": 0.09}), "controller": race.controller.model_copy(update={"lag_lead": 0.0})}
+    assert findings(race.model_copy(update=longer))["unknown latency"].remark == words.format(45), "by a longer dead time of the model"
+    whole = race.model_copy(update={"controller": race.controller.model_copy(update={"lag_lead": 1.0})})
+    assert findings(whole)["unknown latency"].value == "0 ms"
+    beyond_lag = {"model": race.vehicle.model_copy(update={"delay": 0.16})}
+    assert findings(race.model_copy(update=beyond_lag))["unknown latency"].value == "-115 ms"
 
 
 def test_a_vehicle_that_is_heavier_than_its_model_is_noted():

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
+from hotlap.feasibility.finding import Level
+from hotlap.feasibility.race import describe_race, lag, loose_judge
 from hotlap.files.descriptions import load_quadrotor, load_race
-from hotlap.planning.finding import Level
-from hotlap.planning.race_feasibility import describe_race, lag, loose_judge
 from hotlap.race.gate import Gate
 from hotlap.race.race import GateRule, JudgeSettings, PlanDynamics, PlanningSettings, Race
 from hotlap.race.track import Track

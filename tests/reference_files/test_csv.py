@@ -12,22 +12,16 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from hotlap.core.errors import InputError
-from hotlap.planning import reference_csv, reference_table
-from hotlap.planning.reference_csv import COLUMNS, load_reference, save_reference
-from hotlap.planning.run_out import extend
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
+from hotlap.reference.run_out import extend
+from hotlap.reference_files import table as reference_table
+from hotlap.reference_files.csv import COLUMNS, load_reference, save_reference
 from planning import small
 
 Table = dict[str, list[str]]
 
 RACE = small.RACES["drag"]
-
-
-@pytest.fixture(scope="module")
-def reference() -> Reference:
-    """A plan with its run-out."""
-    return extend(small.planned("drag")[3], RACE.planning_model.gravity, RACE.planning_drag)
 
 
 @pytest.fixture
@@ -104,15 +98,6 @@ def test_a_reference_that_ends_on_a_row_gets_no_further_one_and_keeps_its_last_t
     save_reference(tmp_path / "flight.csv", whole)
     assert len((tmp_path / "flight.csv").read_text().splitlines()) == 2 + last
     assert_same_rows(load_reference(tmp_path / "flight.csv", race), whole)
-
-
-def test_positions_between_coarse_rows_follow_cubics_exactly():
-    times = np.array([0.0, 0.1, 0.15, 0.4])
-    values = np.zeros((4, 24))
-    values[:, 4] = 1.0
-    values[:, 1], values[:, 8] = times**3 - times**2, 3 * times**2 - 2 * times
-    at = np.linspace(0, 0.4, 33)
-    assert_allclose(reference_csv._resample(times, values, at)[:, 1], at**3 - at**2, atol=1e-14)
 
 
 def test_an_index_in_front_more_columns_behind_and_another_order_change_nothing(path, reference):

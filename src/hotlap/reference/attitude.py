@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hotlap.planning.problem import Floats
+Floats = NDArray[np.float64]
 
 CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 

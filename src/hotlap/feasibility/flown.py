@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.planning.finding import Finding, Level, note_if, warning_if
-from hotlap.planning.race_feasibility import thrust_share
-from hotlap.planning.reference_demands import Demands, advice, demands
+from hotlap.feasibility.demands import Demands, advice, demands
+from hotlap.feasibility.finding import Finding, Level, note_if, warning_if
+from hotlap.feasibility.race import thrust_share
 from hotlap.race.flight_performance import command_lag
 from hotlap.race.gate import Gate
 from hotlap.race.gate_plane import GatePlane, plane_of

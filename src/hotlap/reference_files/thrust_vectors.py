@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.planning.attitude import thrust_axis
+from hotlap.race.airframe import airframe_parameters
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import PlanDynamics, Race
+from hotlap.reference.attitude import thrust_axis
 
 Floats = NDArray[np.float64]
 
@@ -73,8 +74,6 @@ def drag(quadrotor: Quadrotor, attitude: Floats, velocity: Floats, thrust: Float
         velocity: shape (rows, 3) [m/s] (world).
         thrust: shape (rows,) [m/s^2] about what the rotors give.
     """
-    from hotlap.planning.full_stage import airframe_parameters  # noqa: PLC0415  CasADi, only where it is needed
-
     rows = len(attitude)
     states = np.hstack([np.zeros((rows, 3)), velocity, attitude, np.zeros((rows, 3))])
     thrusts = np.tile(quadrotor.mass * thrust / 4, (4, 1))

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from hotlap.planning.finding import Finding, Level, note_if, warning_if
+from hotlap.feasibility.finding import Finding, Level, warning_if
+from hotlap.feasibility.quadrotor import lag
 from hotlap.race.flight_performance import command_lag, rough_top_speed, steady_share
 from hotlap.race.gate import Gate
-from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import GateRule, PlanDynamics, Race
 
 SPENT = 0.95  # share of the thrust beyond which nothing is left to correct with
 EXHAUSTED = 0.97  # the same for the steady part alone
 SAME_MASS = 0.005  # share of the mass that no scale tells
-SLUGGISH = 0.1  # s from a command to what it asks for; the drones of the built-in races take 0.03 to 0.1
 DESCRIBING = {"name", "provenance", "rate_limit", "radius"}  # keys of a quadrotor that a controller need not know
 
 
@@ -81,14 +80,6 @@ def loose_judge(race: Race) -> str:
     if wanting is None or distance > tolerance:
         return ""
     return f"the plan may pass a gate at {tolerance:g} m, where {distance:g} m count: raise judge.distance or lower planning.tolerance"
-
-
-def lag(quadrotor: Quadrotor) -> Finding:
-    """How long rates take to follow their command: the controller takes them to follow at once."""
-    seconds = command_lag(quadrotor)
-    remark = "1/rate_gain + motor_time: rates follow their commands so much later"
-    slow = seconds > SLUGGISH
-    return Finding("lag", f"{seconds * 1e3:.0f} ms", f"{remark}, which no controller here knows of" if slow else remark, note_if(slow))
 
 
 def _by_distance(race: Race, gate: Gate) -> bool:
@@ -175,10 +166,12 @@ def _knowledge(race: Race) -> Finding:
 
 def _latency(race: Race, speed: float) -> Finding:
     latency = unknown_latency(race)
-    if abs(latency) < 1e-9:
+    further = race.prediction - race.vehicle.delay
+    if abs(latency) < 1e-9 and further < 1e-9:
         return Finding("unknown latency", "0 ms", "the controller knows its dead time")
-    if -command_lag(race.vehicle) <= latency < 0 and race.control_model.delay > 0:
-        return Finding("unknown latency", "0 ms", f"the controller predicts {-latency * 1e3:g} ms further, over part of the lag")
+    if latency < 1e-9 and 0 < further <= command_lag(race.vehicle) + 1e-9:
+        remark = f"the controller knows its dead time, and predicts {further * 1e3:.0f} ms further, over part of the lag"
+        return Finding("unknown latency", "0 ms", remark)
     far = abs(latency) * speed
     remark = f"{far:.2f} m at top speed{_room(race)}: compensate first (model.delay), tune second"
     return Finding("unknown latency", f"{latency * 1e3:g} ms", remark, Level.NOTE)

@@ -1,4 +1,4 @@
-"""Reference tables: the columns of a reference's file, whatever its separators, its order of columns and its names for them.
+"""Tables: the columns of a reference's file, whatever its separators, its order of columns and its names for them.
 
 A file has a line for each moment. What is needed is `t, p_x, p_y, p_z`; the other columns stand in groups of which all or none are
 there: attitude (q, or roll, pitch, yaw), velocity, body rates, rotor thrusts, acceleration, yaw.
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
 from hotlap.files.error_messages import show
-from hotlap.planning.reference_columns import GROUPS, KNOWN, REQUIRED, THRUST_NAMES, Column, by_count, columns_of
+from hotlap.reference_files.columns import GROUPS, KNOWN, REQUIRED, THRUST_NAMES, Column, by_count, columns_of
 
 Floats = NDArray[np.float64]
 

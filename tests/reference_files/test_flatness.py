@@ -7,8 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from hotlap.files.descriptions import load_quadrotor
-from hotlap.planning.attitude import rotate, thrust_axis
-from hotlap.planning.flatness import (
+from hotlap.race.flight_performance import steady_thrust
+from hotlap.reference.attitude import rotate, thrust_axis
+from hotlap.reference_files.flatness import (
     along_axis,
     attitudes_along,
     attitudes_of_angles,
@@ -17,8 +18,7 @@ from hotlap.planning.flatness import (
     rotor_thrusts,
     slopes,
 )
-from hotlap.planning.thrust_vectors import axes_of, with_drag
-from hotlap.race.flight_performance import steady_thrust
+from hotlap.reference_files.thrust_vectors import axes_of, with_drag
 
 LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
 PERIOD = 0.01

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from hotlap.planning.attitude import continuous, follow_axes, product, thrust_axis, turn_rates
+from hotlap.reference.attitude import continuous, follow_axes, product, thrust_axis, turn_rates
 
 LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
 

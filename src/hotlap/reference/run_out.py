@@ -9,10 +9,12 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hotlap.planning.attitude import follow_axes, thrust_axis, turn_rates
-from hotlap.planning.problem import Floats
+from hotlap.reference.attitude import follow_axes, thrust_axis, turn_rates
 from hotlap.reference.reference import Reference
+
+Floats = NDArray[np.float64]
 
 RUN_OUT = 9.0  # s: longer than the longest horizon
 BLEND = 0.6  # s, from the last acceleration to slowing down

@@ -9,11 +9,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
-from hotlap.planning.attitude import thrust_axis
-from hotlap.planning.run_out import BLEND, LARGEST_RATE, RUN_OUT, SLOWING, extend
+from hotlap.reference.attitude import thrust_axis
 from hotlap.reference.reference import Reference
-
-from . import small
+from hotlap.reference.run_out import BLEND, LARGEST_RATE, RUN_OUT, SLOWING, extend
+from planning import small
 
 GRAVITY = np.array([0.0, 0.0, 9.801])
 

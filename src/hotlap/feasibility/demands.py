@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.planning.thrust_vectors import with_drag
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
+from hotlap.reference_files.thrust_vectors import with_drag
 
 Floats = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from hotlap.planning.passages import MissedGateError, Target, find_passages, targets_of
 from hotlap.race.race import GateRule, Race
 from hotlap.race.track import Gate
+from hotlap.reference_files.passages import MissedGateError, Target, find_passages, targets_of
 from planning import small
 
 TIMES = 0.01 * np.arange(1001)

@@ -1,0 +1,54 @@
+"""What a track means: its length, its spacing and its turns."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.feasibility.finding import Finding, note_if
+from hotlap.race.track import Track
+
+FAR = 300.0  # m, between two gates of no race: centimetres perhaps
+NEAR = 0.05  # m, likewise: degrees perhaps
+
+
+def describe_track(track: Track) -> tuple[Finding, ...]:
+    """Length, spacing and turns of a track."""
+    points = np.vstack([track.start, track.waypoints])
+    legs = np.diff(points, axis=0)
+    lengths = np.linalg.norm(legs, axis=1)
+    names = ["the start", *(point.name for point in track.route)]
+    vast = bool(lengths.max() > FAR)
+    straight = "in straight lines; gates are in metres" if vast else "in straight lines"
+    findings = [
+        Finding("gates", str(len(track.counted)), "and an end beyond the last one" if track.end is not None else "the last one is the end"),
+        Finding("length", f"{lengths.sum():.0f} m", straight, note_if(vast)),
+        _heights(track, points[:, 2]),
+        _closest(lengths, names),
+    ]
+    if len(legs) > 1:
+        cosines = (legs[1:] * legs[:-1]).sum(axis=1) / (lengths[1:] * lengths[:-1])
+        sharp = int(cosines.argmin())
+        angle = math.degrees(math.acos(float(np.clip(cosines[sharp], -1, 1))))
+        findings.append(Finding("sharpest turn", f"{angle:.0f} deg", f"at {names[sharp + 1]}"))
+    return tuple(findings)
+
+
+def _heights(track: Track, heights: NDArray[np.float64]) -> Finding:
+    """Heights, with a note where they look like those of a frame whose z points down."""
+    buried = track.floor is None and bool(heights.max() <= 0 and heights.min() < 0)
+    remark = "" if track.floor is None else f"floor at {track.floor:g} m"
+    if buried:
+        remark = "none above 0: z is up here; in NED files it is down (x, y, z there is x, -y, -z here)"
+    return Finding("height", f"{heights.min():.1f} to {heights.max():.1f} m", remark, note_if(buried))
+
+
+def _closest(lengths: NDArray[np.float64], names: list[str]) -> Finding:
+    """The shortest leg."""
+    near = int(lengths.argmin())
+    length, remark = float(lengths[near]), f"{names[near]} and {names[near + 1]}"
+    if length < NEAR:
+        remark += "; coordinates are in metres, not in degrees"
+    return Finding("closest points", f"{length:.2f} m" if length >= NEAR else f"{length:.1g} m", remark, note_if(length < 1))

@@ -1,0 +1,40 @@
+"""TOML in: the table of a file, or one line on why there is none."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from hotlap.core.errors import InputError
+from hotlap.system.text_files import cause_of
+
+MAX_BYTES = 1_000_000  # a description takes a few thousand
+
+
+def read(path: Path | Traversable, label: str) -> dict[str, Any]:
+    """The table of a TOML file.
+
+    Args:
+        path: the file.
+        label: what messages call it.
+
+    Raises:
+        InputError: when it cannot be read, or is no TOML.
+    """
+    try:
+        if not path.is_file():
+            raise InputError(label, "", "is a folder, not a file" if path.is_dir() else "is not a file of text")
+        content = path.read_bytes() if not isinstance(path, Path) or path.stat().st_size <= MAX_BYTES else None
+        if content is None:
+            raise InputError(label, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is not a description")
+        return tomllib.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise InputError(label, "", f"is not UTF-8 text (byte {error.start + 1})") from None
+    except RecursionError:
+        raise InputError(label, "", "is not valid TOML: nested too deeply") from None
+    except OSError as error:
+        raise InputError(label, "", f"cannot be read: {cause_of(error)}") from None
+    except ValueError as error:
+        raise InputError(label, "", f"is not valid TOML: {error}") from None
