@@ -16,6 +16,7 @@ from hotlap.core.errors import PlanningError
 from hotlap.planning.guess import hermite
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.problem import Floats, Problem, Trajectory
+from hotlap.planning.targets import Target
 from hotlap.race.gate_plane import GatePlane
 from hotlap.race.solids import Solid, floor_at, gate_planes, plug, same_place, solids_of, walls_of
 from hotlap.reference.encounters import find_crossings
@@ -29,7 +30,7 @@ SHRUNK = 0.4  # of such a clearance, where there is no way with all of it
 EXTRA = 0.005  # m added to what a path came too near
 SLOPE = 0.3  # by which a margin that had to be made smaller grows with the distance from there
 PLUGGED = 0.05  # m kept from an opening that must not be crossed
-WIDEST, SPREAD = 3.0, 25  # rooms of an opening to each side of its middle, and places across, that are looked at
+SPREAD, BALL_STRIDE = 25, 4  # places across an opening that are looked at; of these every so many across a ball
 DEEP = 0.3  # share of the margin: a path that comes nearer is led around anew
 
 
@@ -195,8 +196,10 @@ class Surroundings:
         return replace(self, extra=extra)
 
     def shrunk(self) -> Surroundings:
-        """The same with a smaller clearance."""
-        kept = [replace(kept, margin=kept.least + SHRUNK * (kept.margin - kept.least)) for kept in self.kept]
+        """The same with a smaller clearance; closed openings stay what they are: a path through one with less would not be seen."""
+        kept = [
+            kept if kept.solid.opening else replace(kept, margin=kept.least + SHRUNK * (kept.margin - kept.least)) for kept in self.kept
+        ]
         return Surroundings(self.problem, tuple(kept))
 
     def without_extra(self) -> Surroundings:
@@ -239,6 +242,14 @@ class Surroundings:
         places = places[inside & (places[:, 2] >= self.problem.floor)]
         return places[self.lacks(places)[0] <= 0] if len(places) else places
 
+    def free_place(self, target: Target, near: Floats) -> Floats:
+        """Where a phase may end: the middle, or what is free of everything and nearest to a place (3,) [m] (world)."""
+        places = np.vstack([target.position, _spread(target)])
+        free = self.lacks(places)[0] <= 0
+        if free[0] or not free.any():
+            return target.position
+        return places[free][np.linalg.norm(places[free] - near, axis=1).argmin()]
+
     def refuse_blocked(self) -> None:
         """Refuse a start, end or ball in which the vehicle touches more than the ground, and an opening in which it does everywhere.
 
@@ -259,7 +270,7 @@ class Surroundings:
             for target in problem.targets:
                 if target.plane is None or same_place(target.plane, kept.solid.plane):
                     continue
-                if (kept.solid.measure(_spread(target.plane, target.inset) + target.along * target.plane.normal)[0] < kept.least).all():
+                if (kept.solid.measure(_spread(target))[0] < kept.least).all():
                     raise PlanningError(problem.track, target.waypoint, f"its opening is blocked by {kept.solid.name}")
 
     def _measure(self, kept: Kept, path: Path) -> tuple[Floats, Floats, Floats]:
@@ -277,10 +288,14 @@ class Surroundings:
         return np.array([target.inside and same_place(target.plane, plane) for target in self.problem.targets])
 
 
-def _spread(plane: GatePlane, inset: float) -> Floats:
-    """Places (n, 3) [m] (world) all over an opening less an inset [m]."""
-    middle, room = plane.middle
-    ticks = np.linspace(-WIDEST * room, WIDEST * room, SPREAD)
-    flat = middle + np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
-    flat = np.vstack([middle, flat[plane.rim_distance(flat) <= -inset]])
-    return plane.centre + flat @ plane.rotation[:, 1:].T
+def _spread(target: Target) -> Floats:
+    """Places (n, 3) [m] (world) all over where a phase may end: an opening less its inset, or a ball."""
+    plane, ticks = target.plane, np.linspace(-1, 1, SPREAD)
+    if plane is None:
+        cube = np.stack(np.meshgrid(*[ticks[::BALL_STRIDE]] * 3), axis=-1).reshape(-1, 3)
+        return target.position + target.radius * cube[np.linalg.norm(cube, axis=1) <= 1]
+    corners = plane.corners if len(plane.corners) else plane.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+    low, high = corners.min(axis=0) + target.inset, corners.max(axis=0) - target.inset
+    flat = (low + high) / 2 + (high - low) / 2 * np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
+    flat = np.vstack([plane.middle[0], flat[plane.rim_distance(flat) <= -target.inset]])
+    return plane.centre + flat @ plane.rotation[:, 1:].T + target.along * plane.normal
