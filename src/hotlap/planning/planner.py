@@ -10,6 +10,7 @@ import numpy as np
 from hotlap.core.errors import PlanningError
 from hotlap.planning.clear_search import Clear, search_clear
 from hotlap.planning.diagnosis import describe, refuse_coarse, refuse_impossible
+from hotlap.planning.flying_start import refuse_flying_start
 from hotlap.planning.ipopt import Solution
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.minimum_time import plan_quadrotor
@@ -31,6 +32,7 @@ def find_plan(problem: Problem) -> Trajectory:
         KeyboardInterrupt: on Ctrl-C.
     """
     refuse_impossible(problem)
+    refuse_flying_start(problem)
     solution = _search(problem) if problem.course is None else _search_course(problem)
     refuse_coarse(problem, solution.trajectory)
     return solution.trajectory
