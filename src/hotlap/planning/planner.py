@@ -12,6 +12,7 @@ from hotlap.planning.clear_search import Clear, search_clear
 from hotlap.planning.diagnosis import describe, refuse_coarse, refuse_impossible
 from hotlap.planning.flying_start import refuse_flying_start
 from hotlap.planning.ipopt import Solution
+from hotlap.planning.laps import few_laps, repeat_lap
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.minimum_time import plan_quadrotor
 from hotlap.planning.point_mass import coarse, guess_point_mass, plan_point_mass
@@ -59,6 +60,9 @@ def _search(problem: Problem) -> Solution:
 
 def _guesses(problem: Problem, mass: Solution) -> Iterator[tuple[Trajectory, float, int]]:
     """Where to search from, with the first barrier and the number of iterations."""
+    few = few_laps(problem)
+    if few is not None:
+        yield repeat_lap(problem, few, find_plan(few)), 1e-4, 300
     yield around_point_mass(problem, mass.trajectory), 0.01, 300
     yield hover_along(problem), 0.1, 500
     yield hover_along(problem, inverted=True), 0.1, 500
