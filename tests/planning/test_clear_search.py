@@ -38,6 +38,15 @@ def test_a_way_through_an_opening_against_its_direction_is_not_clear():
     assert "gate 1: no way to it was found; the best one crosses gate 1 the wrong way" in str(result.error())
 
 
+def test_an_opening_that_is_crossed_too_fast_to_see_is_crossed():
+    few = np.append(0, THROUGH.ends)  # places 0.4 m apart
+    fast = Trajectory(np.full(2, 0.01), THROUGH.states[few], THROUGH.controls[:2])
+    assert np.linalg.norm(np.diff(Path.of(fast).points, axis=0), axis=1).max() > 0.3
+    surroundings = Surroundings.of(FLIPPED).with_plugs(Path.of(fast))
+    faults = surroundings.faults(Path.of(fast))
+    assert [surroundings.kept[fault.kept].solid.name for fault in faults] == ["gate 1"]
+
+
 @pytest.mark.parametrize("times", range(1, SHRINKS + 1))
 def test_an_opening_stays_closed_where_clearances_shrink(times):
     surroundings = Surroundings.of(FLIPPED).with_plugs(Path.of(THROUGH))

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hotlap.core.errors import PlanningError
 from hotlap.planning.guess import hermite
@@ -169,10 +170,7 @@ class Surroundings:
             closed = any(kept.solid.name == name for kept in self.kept)
             if closed or not plane.one_way or name not in counted:
                 continue
-            free = ~self._within(plane)[path.owners[path.intervals]]
-            crossings = find_crossings(path.times, path.points, plane)
-            rows = np.clip(np.searchsorted(path.times, crossings.times), 0, len(free) - 1)
-            if (~crossings.forward & (crossings.rims < 0) & free[rows]).any():
+            if len(self._crossed(plane, path)):
                 plugs.append(Kept.of(self.problem, plug(name, plane), PLUGGED, 0.0))
         return replace(self, kept=(*self.kept, *plugs))
 
@@ -181,6 +179,9 @@ class Surroundings:
         found = []
         for k, kept in enumerate(self.kept):
             distances, _, lacks = self._measure(kept, path)
+            if kept.solid.opening and kept.solid.plane is not None:
+                crossed = self._crossed(kept.solid.plane, path)
+                distances[crossed], lacks[crossed] = 0.0, kept.margin  # however far apart the places of the path are
             for phase in np.unique(path.owners[path.intervals[lacks > kept.tolerance]]).tolist():
                 rows = np.flatnonzero(path.owners[path.intervals] == phase)
                 worst = rows[lacks[rows].argmax()]
@@ -282,6 +283,13 @@ class Surroundings:
             distances[near], away[near] = kept.solid.measure(path.points[near])
         lacks = kept.margins(path.points) - distances
         return distances, away, np.where(self._within(kept.solid.plane)[path.owners[path.intervals]], -np.inf, lacks)
+
+    def _crossed(self, plane: GatePlane, path: Path) -> NDArray[np.intp]:
+        """Rows of a path at which it crosses an opening against its direction, other than on its own way through it."""
+        crossings = find_crossings(path.times, path.points, plane)
+        wrong = crossings.times[~crossings.forward & (crossings.rims < 0)]
+        rows = np.clip(np.searchsorted(path.times, wrong), 0, len(path.times) - 1)
+        return rows[~self._within(plane)[path.owners[path.intervals[rows]]]]
 
     def _within(self, plane: GatePlane | None) -> np.ndarray:
         """Whether each phase leads through the opening of a plane, shape (M,)."""
