@@ -53,6 +53,7 @@ RACES = {
         spheres=({"position": (7.6, 1.5, 1.5), "radius": 0.4},),
         boxes=({"low": (2.0, 0.8, 0.0), "high": (3.0, 1.8, 3.0)},),
     ),
+    "pole in the middle": make_race({**SQUARE, "side": 2.0}, LAST, poles=({"position": (5.0, 0.0), "radius": 0.1},)),
     "within walls": make_race(SQUARE, LAST, floor=0.0, box={"low": (-0.2, -1.0, 0.0), "high": (10.9, 4.0, 2.2)}),
     "all dynamics": make_race(
         SQUARE, LAST, planning={"dynamics": PlanDynamics.FULL, "quadrotor": None}, end=(14.0, 4.0, 1.5), end_at_rest=True

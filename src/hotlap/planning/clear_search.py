@@ -65,25 +65,32 @@ def search_clear(surroundings: Surroundings, solve: Solve, guess: Trajectory, *,
         led: whether the guess itself keeps clear, so that rows can be made around it.
     """
     rows = surroundings.rows(Path.of(guess)) if led else LinearRows.none()
-    solution, faults, shrinks = solve(guess, rows), list[Fault](), 0
+    solution, shrinks = solve(guess, rows), 0
     for _ in range(ROUNDS):
         if not solution.converged and (not rows.count or shrinks == SHRINKS or surroundings.problem.clearance_given):
-            return Clear(solution, surroundings, surroundings.faults(Path.of(solution.trajectory)))
+            break
         if not solution.converged:
             surroundings, shrinks = surroundings.shrunk(), shrinks + 1
             rows = surroundings.rows(Path.of(guess))
             solution = solve(guess, rows)
             continue
-        path = Path.of(solution.trajectory)
-        surroundings = surroundings.with_plugs(path)
-        faults = surroundings.faults(path)
+        result = _looked_at(solution, surroundings)
+        surroundings, faults = result.surroundings, result.faults
         if not faults:
-            break
+            return result
         guess = led_around(surroundings, solution.trajectory, faults)
         surroundings = surroundings.with_extra([fault for fault in faults if not _deep(surroundings, fault)])
         rows = surroundings.rows(Path.of(guess))
         solution = solve(guess, rows)
-    return Clear(solution, surroundings, faults)
+    return _looked_at(solution, surroundings)
+
+
+def _looked_at(solution: Solution, surroundings: Surroundings) -> Clear:
+    """Where a solution comes too near, and which openings it crosses against their direction."""
+    path = Path.of(solution.trajectory)
+    if solution.converged:
+        surroundings = surroundings.with_plugs(path)
+    return Clear(solution, surroundings, surroundings.faults(path))
 
 
 def _deep(surroundings: Surroundings, fault: Fault) -> bool:
@@ -97,8 +104,10 @@ def led_around(surroundings: Surroundings, trajectory: Trajectory, faults: list[
     for phase in sorted({fault.phase for fault in faults if _deep(surroundings, fault)}):
         for place in (phase, phase + 1):
             node = 0 if place == 0 else int(ends[place - 1])
-            if surroundings.lacks(states[node : node + 1, :3])[0][0] > 0:
-                states[node, :3] = problem.points[place]
+            if place and surroundings.lacks(states[node : node + 1, :3])[0][0] > 0:
+                target = problem.targets[place - 1]
+                beside = states[int(ends[place - 1] - trajectory.intervals[place - 1]), :3] if target.inside else states[node, :3]
+                states[node, :3] = surroundings.free_place(target, beside)
         first, last = int(ends[phase] - trajectory.intervals[phase]), int(ends[phase])
         way = find_way(surroundings, states[first, :3], states[last, :3])
         if way is None:

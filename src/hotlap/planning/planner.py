@@ -10,7 +10,9 @@ import numpy as np
 from hotlap.core.errors import PlanningError
 from hotlap.planning.clear_search import Clear, search_clear
 from hotlap.planning.diagnosis import describe, refuse_coarse, refuse_impossible
+from hotlap.planning.flying_start import refuse_flying_start
 from hotlap.planning.ipopt import Solution
+from hotlap.planning.laps import few_laps, repeat_lap
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.minimum_time import plan_quadrotor
 from hotlap.planning.point_mass import coarse, guess_point_mass, plan_point_mass
@@ -31,6 +33,7 @@ def find_plan(problem: Problem) -> Trajectory:
         KeyboardInterrupt: on Ctrl-C.
     """
     refuse_impossible(problem)
+    refuse_flying_start(problem)
     solution = _search(problem) if problem.course is None else _search_course(problem)
     refuse_coarse(problem, solution.trajectory)
     return solution.trajectory
@@ -57,6 +60,9 @@ def _search(problem: Problem) -> Solution:
 
 def _guesses(problem: Problem, mass: Solution) -> Iterator[tuple[Trajectory, float, int]]:
     """Where to search from, with the first barrier and the number of iterations."""
+    few = few_laps(problem)
+    if few is not None:
+        yield repeat_lap(problem, few, find_plan(few)), 1e-4, 300
     yield around_point_mass(problem, mass.trajectory), 0.01, 300
     yield hover_along(problem), 0.1, 500
     yield hover_along(problem, inverted=True), 0.1, 500

@@ -11,11 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hotlap.core.errors import PlanningError
 from hotlap.planning.guess import hermite
 from hotlap.planning.linear_rows import LinearRows
 from hotlap.planning.problem import Floats, Problem, Trajectory
+from hotlap.planning.targets import Target
 from hotlap.race.gate_plane import GatePlane
 from hotlap.race.solids import Solid, floor_at, gate_planes, plug, same_place, solids_of, walls_of
 from hotlap.reference.encounters import find_crossings
@@ -29,7 +31,7 @@ SHRUNK = 0.4  # of such a clearance, where there is no way with all of it
 EXTRA = 0.005  # m added to what a path came too near
 SLOPE = 0.3  # by which a margin that had to be made smaller grows with the distance from there
 PLUGGED = 0.05  # m kept from an opening that must not be crossed
-WIDEST, SPREAD = 3.0, 25  # rooms of an opening to each side of its middle, and places across, that are looked at
+SPREAD, BALL_STRIDE = 25, 4  # places across an opening that are looked at; of these every so many across a ball
 DEEP = 0.3  # share of the margin: a path that comes nearer is led around anew
 
 
@@ -168,10 +170,7 @@ class Surroundings:
             closed = any(kept.solid.name == name for kept in self.kept)
             if closed or not plane.one_way or name not in counted:
                 continue
-            free = ~self._within(plane)[path.owners[path.intervals]]
-            crossings = find_crossings(path.times, path.points, plane)
-            rows = np.clip(np.searchsorted(path.times, crossings.times), 0, len(free) - 1)
-            if (~crossings.forward & (crossings.rims < 0) & free[rows]).any():
+            if len(self._crossed(plane, path)):
                 plugs.append(Kept.of(self.problem, plug(name, plane), PLUGGED, 0.0))
         return replace(self, kept=(*self.kept, *plugs))
 
@@ -180,6 +179,9 @@ class Surroundings:
         found = []
         for k, kept in enumerate(self.kept):
             distances, _, lacks = self._measure(kept, path)
+            if kept.solid.opening and kept.solid.plane is not None:
+                crossed = self._crossed(kept.solid.plane, path)
+                distances[crossed], lacks[crossed] = 0.0, kept.margin  # however far apart the places of the path are
             for phase in np.unique(path.owners[path.intervals[lacks > kept.tolerance]]).tolist():
                 rows = np.flatnonzero(path.owners[path.intervals] == phase)
                 worst = rows[lacks[rows].argmax()]
@@ -195,8 +197,10 @@ class Surroundings:
         return replace(self, extra=extra)
 
     def shrunk(self) -> Surroundings:
-        """The same with a smaller clearance."""
-        kept = [replace(kept, margin=kept.least + SHRUNK * (kept.margin - kept.least)) for kept in self.kept]
+        """The same with a smaller clearance; closed openings stay what they are: a path through one with less would not be seen."""
+        kept = [
+            kept if kept.solid.opening else replace(kept, margin=kept.least + SHRUNK * (kept.margin - kept.least)) for kept in self.kept
+        ]
         return Surroundings(self.problem, tuple(kept))
 
     def without_extra(self) -> Surroundings:
@@ -239,6 +243,14 @@ class Surroundings:
         places = places[inside & (places[:, 2] >= self.problem.floor)]
         return places[self.lacks(places)[0] <= 0] if len(places) else places
 
+    def free_place(self, target: Target, near: Floats) -> Floats:
+        """Where a phase may end: the middle, or what is free of everything and nearest to a place (3,) [m] (world)."""
+        places = np.vstack([target.position, _spread(target)])
+        free = self.lacks(places)[0] <= 0
+        if free[0] or not free.any():
+            return target.position
+        return places[free][np.linalg.norm(places[free] - near, axis=1).argmin()]
+
     def refuse_blocked(self) -> None:
         """Refuse a start, end or ball in which the vehicle touches more than the ground, and an opening in which it does everywhere.
 
@@ -259,7 +271,7 @@ class Surroundings:
             for target in problem.targets:
                 if target.plane is None or same_place(target.plane, kept.solid.plane):
                     continue
-                if (kept.solid.measure(_spread(target.plane, target.inset) + target.along * target.plane.normal)[0] < kept.least).all():
+                if (kept.solid.measure(_spread(target))[0] < kept.least).all():
                     raise PlanningError(problem.track, target.waypoint, f"its opening is blocked by {kept.solid.name}")
 
     def _measure(self, kept: Kept, path: Path) -> tuple[Floats, Floats, Floats]:
@@ -272,15 +284,26 @@ class Surroundings:
         lacks = kept.margins(path.points) - distances
         return distances, away, np.where(self._within(kept.solid.plane)[path.owners[path.intervals]], -np.inf, lacks)
 
+    def _crossed(self, plane: GatePlane, path: Path) -> NDArray[np.intp]:
+        """Rows of a path at which it crosses an opening against its direction, other than on its own way through it."""
+        crossings = find_crossings(path.times, path.points, plane)
+        wrong = crossings.times[~crossings.forward & (crossings.rims < 0)]
+        rows = np.clip(np.searchsorted(path.times, wrong), 0, len(path.times) - 1)
+        return rows[~self._within(plane)[path.owners[path.intervals[rows]]]]
+
     def _within(self, plane: GatePlane | None) -> np.ndarray:
         """Whether each phase leads through the opening of a plane, shape (M,)."""
         return np.array([target.inside and same_place(target.plane, plane) for target in self.problem.targets])
 
 
-def _spread(plane: GatePlane, inset: float) -> Floats:
-    """Places (n, 3) [m] (world) all over an opening less an inset [m]."""
-    middle, room = plane.middle
-    ticks = np.linspace(-WIDEST * room, WIDEST * room, SPREAD)
-    flat = middle + np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
-    flat = np.vstack([middle, flat[plane.rim_distance(flat) <= -inset]])
-    return plane.centre + flat @ plane.rotation[:, 1:].T
+def _spread(target: Target) -> Floats:
+    """Places (n, 3) [m] (world) all over where a phase may end: an opening less its inset, or a ball."""
+    plane, ticks = target.plane, np.linspace(-1, 1, SPREAD)
+    if plane is None:
+        cube = np.stack(np.meshgrid(*[ticks[::BALL_STRIDE]] * 3), axis=-1).reshape(-1, 3)
+        return target.position + target.radius * cube[np.linalg.norm(cube, axis=1) <= 1]
+    corners = plane.corners if len(plane.corners) else plane.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+    low, high = corners.min(axis=0) + target.inset, corners.max(axis=0) - target.inset
+    flat = (low + high) / 2 + (high - low) / 2 * np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
+    flat = np.vstack([plane.middle[0], flat[plane.rim_distance(flat) <= -target.inset]])
+    return plane.centre + flat @ plane.rotation[:, 1:].T + target.along * plane.normal
