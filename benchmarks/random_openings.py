@@ -294,9 +294,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--tracks", type=int, default=200)
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--dynamics", choices=[choice.value for choice in PlanDynamics], default="ideal")
-    parser.add_argument("--out", type=Path, default=Path("random-openings.jsonl"))
+    parser.add_argument("--out", type=Path, default=Path("build/random-openings.jsonl"))
     options = parser.parse_args(arguments)
     known = {}
+    options.out.parent.mkdir(parents=True, exist_ok=True)
     if options.out.exists():
         known = {one["seed"]: one for one in map(json.loads, options.out.read_text(encoding="utf-8").splitlines())}
     for seed in range(options.first, options.first + options.tracks):
