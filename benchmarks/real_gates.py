@@ -1,6 +1,6 @@
 """How the default tuner does on races with real gates, and on those of other people: python benchmarks/real_gates.py [RACE ...] [--seeds N]
 
-Every run is one of `hotlap tune` with its defaults (ten re-flights, at least 95 % of 200 more flights), from the learned first guess and
+Every run is one of `hotlap tune` with its defaults (ten re-flights, at least 90 % of 200 more flights), from the learned first guess and
 from the default weights; what counts is a controller that is confirmed within 200 search flights. Every result is flown 100 times more with
 noise that no search has used. Runs are kept in `--out`; the same command continues where it was interrupted.
 """
