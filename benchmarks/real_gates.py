@@ -21,10 +21,11 @@ from hotlap import tuners
 from hotlap.analysis.resumable import digest_code
 from hotlap.core.errors import PlanningError
 from hotlap.core.success_rate import FLIGHTS, RELIABILITY
-from hotlap.files.descriptions import names
+from hotlap.files.descriptions import load_race, names
 from hotlap.files.kinds import Kind
 from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
+from hotlap.race.controller_kind import ControllerKind
 from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
 from hotlap.system.processors import available
@@ -45,18 +46,21 @@ class Case:
         race: its name, or a file.
         guess: where the runs begin, as in `--first-guess`.
         seeds: how many runs.
+        controller: which one flies; None: the race's.
     """
 
     race: str
     guess: str
     seeds: int
+    controller: str | None = None
 
 
 def fly(case: Case) -> Iterator[dict[str, Any]]:
     """The runs of a case, side by side."""
     began, world = time.perf_counter(), BuiltIn(threads=1)
     try:
-        scenario = prepare(case.race)
+        race = load_race(case.race)
+        scenario = prepare(race if case.controller is None else race.with_controller(ControllerKind(case.controller)))
     except PlanningError as error:
         yield {"no_plan": str(error)}
         return
@@ -121,10 +125,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("races", nargs="*", metavar="RACE", default=[name for name in names(Kind.RACE) if name.startswith("real-")])
     parser.add_argument("--seeds", type=int, default=48)
     parser.add_argument("--guesses", nargs="+", default=GUESSES, choices=GUESSES)
+    parser.add_argument("--controller", choices=[kind.value for kind in ControllerKind])
     parser.add_argument("--jobs", type=int, default=available())
     parser.add_argument("--out", type=Path, default=Path("build/real-gates"))
     options = parser.parse_args(arguments)
-    cases = [Case(race, guess, options.seeds) for race in options.races for guess in options.guesses]
+    cases = [Case(race, guess, options.seeds, options.controller) for race in options.races for guess in options.guesses]
     with Journal.opened(options.out, digest_code(Path(__file__))) as kept:
         missing = [case for case in cases if repr(case) not in kept.done]
         for count, (case, found) in enumerate(spread(fly, missing, options.jobs), 1):
