@@ -116,13 +116,16 @@ def test_a_flight_that_starts_above_the_floor_has_taken_off():
     assert v.end_time[1] == pytest.approx(1.0, abs=0.011)
 
 
-def test_gates_passed_before_the_touch_in_the_same_period_count():
+@EVERY_RULE
+@pytest.mark.parametrize(("gates", "outcomes"), [((2.05, 6.0), (1, End.CRASHED)), ((2.05,), (1, End.FINISHED))])
+def test_gates_passed_before_the_touch_in_the_same_period_count(gates, outcomes, rule):
     place = Track(
         name="wall",
         start=(0.0, 0.0, 0.0),
-        gates=tuple(Gate(position=(x, 0, 0), yaw=0.0, radius=1.0) for x in (2.05, 6.0)),
+        gates=tuple(Gate(position=(x, 0, 0), yaw=0.0, radius=1.0) for x in gates),
         boxes=(Box(low=(2.17, -1.0, -1.0), high=(3.0, 1.0, 1.0)),),
     )
-    v = fly_track(place, [1.025, 3.0], straight(), radius=0.05, period=0.2)
-    assert outcome(v) == (1, End.CRASHED)
-    assert crash(v) == (Cause.BOX, 0)
+    times = [x / SPEED for x in gates]
+    v = fly_track(place, times, straight(), radius=0.05, period=0.2, rule=rule, distance=1.0)
+    assert outcome(v) == outcomes
+    assert crash(v) == ((Cause.BOX, 0) if outcomes[1] is End.CRASHED else (Cause.NONE, -1))

@@ -104,6 +104,7 @@ def test_without_a_direction_it_is_passed_along_its_normal():
         ({"yaw": 0.0, "corners": regular(13, 1.0)}, "3 to 12 corners, not 13"),
         ({"yaw": 0.0, "corners": ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))}, "not those of a convex polygon"),
         ({"yaw": 0.0, "corners": ((1.0, 1.0), (-1.0, 1.0), (0.0, 0.1), (-1.0, -1.0), (1.0, -1.0))}, "not those of a convex polygon"),
+        ({"yaw": 0.0, "corners": tuple(regular(5, 1.0)[2 * k % 5] for k in range(5))}, "not those of a convex polygon"),  # a star
         ({"yaw": 0.0, "corners": ((1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0))}, "the gate's position lies outside of its corners"),
     ],
 )

@@ -35,6 +35,9 @@ def test_an_impossible_obstacle_is_refused_with_its_key(obstacle, keys, message)
         ("spheres = [{ position = [0, 0, 1], radius = 0.1 }, { position = [0, 0, 1], radius = 0 }]", "spheres[1].radius"),
         ("boxes = [{ low = [0, 0, 1], high = [1, 1, 0] }]", "boxes[0].low"),
         ("box = { low = [0, 0, 0], high = [1, 1, 1], name = 1 }", "box.name"),
+        ("poles = [{ position = [0, 0], radius = 0.1, top = 1e300 }]", "poles[0].top"),
+        ("poles = [{ position = [0, 1e9], radius = 0.1 }]", "poles[0].position[1]"),
+        ("boxes = [{ low = [0, 0, -1e308], high = [1, 1, 1e308] }]", "boxes[0].low[2]"),
     ],
 )
 def test_a_fault_in_a_file_names_obstacle_and_key(text, key, tmp_path):

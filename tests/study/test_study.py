@@ -363,7 +363,7 @@ def test_where_numbers_come_from_may_be_reworded(tmp_path):
         assert study.result is None
 
 
-def test_keys_that_a_study_of_before_does_not_know_have_their_defaults():
+def test_keys_that_a_study_of_an_earlier_version_does_not_have_get_their_defaults():
     now = long().dump()
     before = json.loads(json.dumps(now))
     before["race"]["track"].pop("laps")
@@ -459,6 +459,16 @@ def test_what_is_no_study_is_refused_with_one_line(tmp_path, opener, harm, messa
     with pytest.raises(StudyError, match=message) as refused:
         opener(tmp_path)
     assert str(refused.value).startswith(str(tmp_path))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_race_that_this_version_refuses_cannot_be_read(tmp_path):
+    """Angles of gates were not looked at by earlier versions."""
+    with Study.open(tmp_path, configure()):
+        pass
+    wound(tmp_path, "UPDATE entry SET value = json_set(value, '$.race.track.gates[0].yaw', 90.0) WHERE key = 'configuration'")
+    with pytest.raises(StudyError, match=r"race\.track\.gates\[0\]\.yaw: 90 rad is more than a full turn.*another version") as refused:
+        Study.read(tmp_path)
     assert "\n" not in str(refused.value)
 
 

@@ -70,7 +70,7 @@ def judge(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: float,
     if touched > 1:
         return _pass_gates(v, i, g, start, before, time, now)
     moment, place = start + touched * (time - start), between(before, now, touched)
-    if g.rule == OPENING and moment > start and decide_by_openings(v, i, g, start, before, moment, place):
+    if moment > start and _pass_gates(v, i, g, start, before, moment, place):
         return True
     return _crash(v, i, g, cause, index, moment, place, math.nan)
 

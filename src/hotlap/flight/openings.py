@@ -84,7 +84,8 @@ def openings_of(track: Track, judge: JudgeSettings, radius: float, reference: Re
         if room <= 0:
             sizes_of_both = f"its opening has room for a radius of {room + size:.3g} m, the vehicle has one of {size:.3g} m"
             raise HotlapError(f"{track.name}, {point.name}: {sizes_of_both}")
-    passages = [_passage(plane, k, track, judge.window, reference) for k, plane in enumerate(planes)]
+    positions = track.gate_positions
+    passages = [_passage(plane, k, positions, judge.window, reference) for k, plane in enumerate(planes)]
     kinds = [BALL if plane is None else ONE_WAY if plane.one_way else EITHER_WAY for plane in planes]
     openings = Openings(
         kinds=np.array(kinds, dtype=np.int64),
@@ -102,12 +103,12 @@ def openings_of(track: Track, judge: JudgeSettings, radius: float, reference: Re
     return openings, windows
 
 
-def _passage(plane: GatePlane | None, k: int, track: Track, window: tuple[float, float], reference: Reference) -> _Passage:
-    """How the reference passes gate k, and what tells that passage from others of the same plane or point."""
+def _passage(plane: GatePlane | None, k: int, positions: Floats, window: tuple[float, float], reference: Reference) -> _Passage:
+    """How the reference passes gate k of those at positions (M, 3), and what tells that passage from others of the same plane or point."""
     time = float(reference.gate_times[k])
     first, last = time - window[0], time + window[1]
     if plane is None:
-        apart = np.linalg.norm(track.gate_positions - track.gate_positions[k], axis=1)
+        apart = np.linalg.norm(positions - positions[k], axis=1)
         others = [float(reference.gate_times[n]) for n in np.flatnonzero(apart < 1e-6) if n != k]
         return _Passage(1.0, np.zeros(2), math.inf, _narrowed(time, first, last, others))
     found = _crossings(plane, reference)

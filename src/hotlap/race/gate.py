@@ -59,9 +59,10 @@ class Opening(Described):
         if np.abs(points).max() > LARGEST:
             raise ValueError(f"a corner {np.abs(points).max():.3g} m from the position; corners are in metres")
         along = np.roll(points, -1, axis=0) - points
-        onwards = np.roll(along, -1, axis=0)
-        turns = along[:, 0] * onwards[:, 1] - along[:, 1] * onwards[:, 0]
-        if not ((turns > FLAT).all() or (turns < -FLAT).all()):
+        offsets = points[None] - points[:, None]
+        areas = along[:, None, 0] * offsets[..., 1] - along[:, None, 1] * offsets[..., 0]  # of every corner over every edge
+        ends = np.eye(len(points), dtype=bool) | np.roll(np.eye(len(points), dtype=bool), 1, axis=1)
+        if not ((areas[~ends] > FLAT).all() or (areas[~ends] < -FLAT).all()):
             raise ValueError("the corners are not those of a convex polygon, one after the other around it")
         inside = points[:, 0] * along[:, 1] - points[:, 1] * along[:, 0]
         if not ((inside > 0).all() or (inside < 0).all()):

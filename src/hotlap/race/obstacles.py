@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from pydantic import model_validator
 
-from hotlap.race.schema import Described, Size, Vector3
+from hotlap.race.schema import Coordinate, Described, Place, Size
 
 
 class Pole(Described):
     """A vertical cylinder."""
 
-    position: tuple[float, float]
+    position: tuple[Coordinate, Coordinate]
     """[m] (world) its axis: x and y."""
     radius: Size
     """[m] half of its thickness."""
-    top: float | None = None
+    top: Coordinate | None = None
     """[m] (world) height of its upper end. None: endless."""
-    bottom: float | None = None
+    bottom: Coordinate | None = None
     """[m] (world) height of its lower end. None: endless."""
 
     @model_validator(mode="after")
@@ -29,7 +29,7 @@ class Pole(Described):
 class Sphere(Described):
     """A ball."""
 
-    position: Vector3
+    position: Place
     """[m] (world) its centre."""
     radius: Size
     """[m] of it."""
@@ -38,9 +38,9 @@ class Sphere(Described):
 class Box(Described):
     """A box along the axes of the world."""
 
-    low: Vector3
+    low: Place
     """[m] (world) its corner with the least x, y and z."""
-    high: Vector3
+    high: Place
     """[m] (world) its corner with the largest x, y and z."""
 
     @model_validator(mode="after")

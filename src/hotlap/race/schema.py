@@ -13,6 +13,8 @@ Vector3 = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 LARGEST = 1e5  # m: a size or coordinate beyond this is a mistake of units
+Coordinate = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Place = tuple[Coordinate, Coordinate, Coordinate]
 Size = Annotated[float, Field(gt=0, le=LARGEST)]
 Thickness = Annotated[float, Field(ge=0, le=LARGEST)]
 

@@ -11,10 +11,11 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from hotlap import tuners
+from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
+from hotlap.files.error_messages import check
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
@@ -25,9 +26,9 @@ from hotlap.tuning.scoring import Metric
 
 GIVEN = "given"  # name of a first guess that a program passed as numbers
 MAY_DIFFER = ("budget", "first_guess_name", "race.planning.dynamics")
-"""A study may be given a larger budget; of a first guess its numbers count, and of a way to plan the reference."""
-THEN: Mapping[str, Any] = {"lag_lead": 0.0}
-"""Keys of the controller that studies of before do not have, and how those were flown."""
+"""A study may be given a larger budget. Of a first guess the numbers are compared, and of a plan the reference, however they were found."""
+FORMER: Mapping[str, Any] = {"lag_lead": 0.0}
+"""Keys of the controller that studies of earlier versions do not have, with the values by which those were flown."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,11 @@ class Configuration:
 
 
 def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Configuration:
-    """The inverse of `Configuration.dump`, given the reference."""
+    """The inverse of `Configuration.dump`, given the reference.
+
+    Raises:
+        InputError: the race is none that this version knows.
+    """
     numbers = {field.name: plain[field.name] for field in fields(TuningSettings) if field.name != "goal"}
     return Configuration(
         scenario=Scenario(_load_race(plain["race"]), reference, _load_segments(plain["segments"])),
@@ -101,16 +106,16 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
 
 
 def _load_race(plain: Mapping[str, Any]) -> Race:
-    """The race of a dump, also of one of before."""
-    return Race.model_validate({**plain, "controller": {**THEN, **plain.get("controller", {})}})
+    """The race of a dump, which an earlier version may have written."""
+    return check(Race, {**plain, "controller": {**FORMER, **plain.get("controller", {})}}, source="", prefix="race")
 
 
 def compared(plain: Mapping[str, Any]) -> dict[str, Any]:
     """Dotted keys and values of a dump, without those that may differ between runs of one study.
 
-    Keys that a dump of before does not know have their defaults, or what they stood for then.
+    Keys that a dump of an earlier version does not have get their defaults, or the values of `FORMER`.
     """
-    with suppress(ValidationError):
+    with suppress(InputError):
         plain = {**plain, "race": _load_race(plain["race"]).model_dump(mode="json")}
     flat = dict(_flatten(json.loads(json.dumps(plain)), ""))
     return {key: value for key, value in flat.items() if key not in MAY_DIFFER and not _is_provenance(key)}

@@ -101,7 +101,11 @@ class Study:
         with study._closed_on_error():
             if study._database.is_new():
                 raise StudyError(str(folder), "", f"holds no study: {FILE} is empty")
-            study.configuration = load_configuration(study._plain_configuration(), unpack_reference(study._entry("reference")))
+            plain, reference = study._plain_configuration(), unpack_reference(study._entry("reference"))
+            try:
+                study.configuration = load_configuration(plain, reference)
+            except InputError as fault:
+                raise StudyError(str(folder), fault.key, f"{fault.reason} (the study is of another version of hotlap)") from None
         return study
 
     def __enter__(self) -> Self:
