@@ -55,6 +55,10 @@ RACES = {
     ),
     "pole in the middle": make_race({**SQUARE, "side": 2.0}, LAST, poles=({"position": (5.0, 0.0), "radius": 0.1},)),
     "within walls": make_race(SQUARE, LAST, floor=0.0, box={"low": (-0.2, -1.0, 0.0), "high": (10.9, 4.0, 2.2)}),
+    "points at a wall": make_race(
+        (5.0, 0.9, 1.5), (9.0, 0.0, 1.5), (5.0, 0.9, 1.5), box={"low": (-1.0, -1.0, 0.0), "high": (9.5, 1.0, 3.0)}
+    ),
+    "points below a ceiling": make_race((5.0, 0.5, 1.9), (9.0, 0.0, 1.9), (5.0, 0.9, 1.7), ceiling=2.0),
     "all dynamics": make_race(
         SQUARE, LAST, planning={"dynamics": PlanDynamics.FULL, "quadrotor": None}, end=(14.0, 4.0, 1.5), end_at_rest=True
     ),
@@ -146,6 +150,10 @@ REFUSED = {
     "a start at the box": (
         make_race(LAST, box={"low": (-1.0, -0.1, 0.0), "high": (11.0, 4.0, 3.0)}),
         r"the start is 0\.1 m from the box, and the vehicle needs its radius of 0\.2 m",
+    ),
+    "a start at the box, before points": (
+        make_race((5.0, 0.5, 1.5), box={"low": (-1.0, -0.1, 0.0), "high": (11.0, 4.0, 3.0)}),
+        r"the start is 0\.1 m from the box",
     ),
     "a start below the ceiling": (make_race(LAST, ceiling=1.6), r"the start is 0\.1 m from the ceiling"),
     "an opening that the box cuts off": (
