@@ -41,6 +41,7 @@ RACES = {
     "in line": make_race(SQUARE, LAST),
     "flipped": make_race({**SQUARE, "yaw": np.pi}, (9.0, 0.0, 1.5)),
     "there and back": make_race(SQUARE, (9.0, 1.0, 1.5), {**SQUARE, "direction": "backward"}),
+    "there, and back either way": make_race(SQUARE, (9.0, 1.0, 1.5), {**SQUARE, "direction": "either"}, (0.0, 0.0, 1.5)),
     "tunnel": make_race({**SQUARE, "position": (6.0, 2.0, 1.5), "depth": 2.0}, LAST),
     "tunnel either way": make_race({**SQUARE, "yaw": np.pi, "depth": 1.0, "direction": "either"}, LAST),
     "orientation alone": make_race({"position": (5.0, 0.0, 1.5), "yaw": 0.5}, LAST),
