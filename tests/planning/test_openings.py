@@ -161,6 +161,10 @@ REFUSED = {
         make_race(LAST, {**SQUARE, "position": (5.0, -0.25, 1.5), "side": 0.5}, box={"low": (-1.0, -0.3, 0.0), "high": (11.0, 4.0, 3.0)}),
         "gate 2: its opening is blocked by the box",
     ),
+    "an opening below the floor": (
+        make_race(LAST, {**SQUARE, "position": (5.0, 0.0, -0.8)}, planning={"floor": 0.0}),
+        "gate 2: its opening lies below the floor at 0 m",
+    ),
     "an opening that is blocked": (
         make_race(LAST, SQUARE, boxes=({"low": (4.9, -0.6, 0.8), "high": (5.1, 0.6, 2.2)},)),
         "gate 2: its opening is blocked by box 1",
