@@ -17,6 +17,7 @@ from hotlap.race.track import Track, Waypoint
 
 TOUCH = 1e-4  # m: what overlaps by less does not touch
 RIM = 1e-3  # m: by how much the vehicle may overlap a rim
+SAME_MOMENT = 0.01  # s by which a crossing and the passage that it is may differ
 
 
 class EncounterKind(StrEnum):
@@ -166,9 +167,6 @@ def _wrong_ways(times: Floats, positions: Floats, track: Track, free_radius: flo
             if rim < -RIM and not in_turn:
                 found.append(Encounter(EncounterKind.WRONG_WAY, name, float(time), float(rim)))
     return found
-
-
-SAME_MOMENT = 0.01  # s
 
 
 def _boundaries(times: Floats, positions: Floats, track: Track, radius: float) -> list[Encounter]:
