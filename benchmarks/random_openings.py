@@ -3,14 +3,14 @@
 Gates of all shapes, some of them flipped, turned sideways or tilted, tunnels, frames, and up to ten obstacles near the way. A track is
 planned or refused with a reason; what is planned passes every gate in its turn and direction, crosses none the wrong way and touches
 nothing. The test shares no code with the planner: it samples every millisecond, asks rays whether a point lies within a polygon, and takes
-frames for clouds of points. Results are kept in `--out`; the same command continues where it was interrupted.
+frames for clouds of points. Results are kept in `--out`; the same command continues where it was interrupted, and plans anew
+what older code has planned.
 """
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
-import json
 import math
 import time
 from collections.abc import Sequence
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial import KDTree
 
+from hotlap.analysis.resumable import digest_code
 from hotlap.core.errors import PlanningError
 from hotlap.files.descriptions import load_race
 from hotlap.planning import plan
@@ -30,6 +31,7 @@ from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import PlanDynamics, PlanningSettings, Race
 from hotlap.race.track import Gate, Track
 from hotlap.reference.reference import Reference
+from hotlap.system.journal import Journal
 
 Floats = NDArray[np.float64]
 
@@ -294,18 +296,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--tracks", type=int, default=200)
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--dynamics", choices=[choice.value for choice in PlanDynamics], default="ideal")
-    parser.add_argument("--out", type=Path, default=Path("build/random-openings.jsonl"))
+    parser.add_argument("--out", type=Path, default=Path("build/random-openings"))
     options = parser.parse_args(arguments)
-    known = {}
-    options.out.parent.mkdir(parents=True, exist_ok=True)
-    if options.out.exists():
-        known = {one["seed"]: one for one in map(json.loads, options.out.read_text(encoding="utf-8").splitlines())}
-    for seed in range(options.first, options.first + options.tracks):
-        if seed not in known:
-            known[seed] = dataclasses.asdict(try_one(seed, PlanDynamics(options.dynamics)))
-            with options.out.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(known[seed]) + "\n")
-    print(table([Outcome(**known[seed]) for seed in range(options.first, options.first + options.tracks)]))
+    keys = {f"{options.dynamics} {seed}": seed for seed in range(options.first, options.first + options.tracks)}
+    with Journal.opened(options.out, digest_code(Path(__file__))) as kept:
+        for key, seed in keys.items():
+            if key not in kept.done:
+                kept.add(key, dataclasses.asdict(try_one(seed, PlanDynamics(options.dynamics))))
+    print(table([Outcome(**kept.done[key]) for key in keys]))
 
 
 if __name__ == "__main__":

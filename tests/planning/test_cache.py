@@ -147,6 +147,9 @@ def test_the_key_changes_with_the_code_and_the_optimiser(monkeypatch):
     assert len({usual, other, plan_cache.key(Problem.of(RACE))}) == 3
 
 
+STAND_IN_THE_PROBLEM = {f"hotlap.race.{name}" for name in ("race", "schema", "controllers", "controller_kind")}  # their results
+
+
 def is_in(package: str, module: str) -> bool:
     """Whether a module belongs to a package of hotlap."""
     return f"{module}.".startswith(f"hotlap.{package}.")
@@ -157,3 +160,4 @@ def test_every_module_that_makes_plans_takes_part_and_no_other():
     digested = source_files(*plan_cache.SOURCES, without=plan_cache.MAKE_NO_PLANS)
     assert {path for path in digested if path.parent.name == "planning"} == {made_by[name] for name in made_by if is_in("planning", name)}
     assert {made_by[name] for name in made_by if is_in("reference", name)} <= set(digested)
+    assert {name for name in made_by if is_in("race", name) and made_by[name] not in digested} <= STAND_IN_THE_PROBLEM

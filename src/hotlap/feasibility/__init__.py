@@ -1,7 +1,7 @@
 """Feasibility: what a file means, and whether what it asks for can be flown, as far as figures tell before anything is tuned.
 
 for finding in describe(load_race("my-race.toml")):
-print(finding.label, finding.value, finding.remark)
+    print(finding.label, finding.value, finding.remark)
 """
 
 from __future__ import annotations

@@ -75,9 +75,8 @@ def loose_judge(race: Race) -> str:
 
     The plan passes within `planning.tolerance` of points, and of the centre of gates that have an orientation alone.
     """
-    wanting = next((point.name for point in race.track.route if point.counts and _by_distance(race, point.gate)), None)
     distance, tolerance = race.judge.distance, race.planning.tolerance
-    if wanting is None or distance > tolerance:
+    if distance > tolerance or not any(_by_distance(race, gate) for gate in race.track.counted):
         return ""
     return f"the plan may pass a gate at {tolerance:g} m, where {distance:g} m count: raise judge.distance or lower planning.tolerance"
 

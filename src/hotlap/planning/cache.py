@@ -26,6 +26,7 @@ SOURCES = (
     "hotlap.dynamics",
     "hotlap.race.airframe",
     "hotlap.race.quadrotor",
+    "hotlap.race.flight_performance",
     "hotlap.race.gate",
     "hotlap.race.gate_plane",
     "hotlap.race.obstacles",

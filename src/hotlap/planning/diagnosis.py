@@ -8,8 +8,8 @@ from hotlap.core.errors import PlanningError
 from hotlap.planning.ipopt import Solution
 from hotlap.planning.minimum_time import model_parameters, stage_of
 from hotlap.planning.problem import LONGEST, Problem, Trajectory
+from hotlap.planning.targets import Target
 
-LARGEST_OPENING = 10.0  # m: an opening whose middle lies further below the floor than this has no part above it
 REFINEMENT = 8  # a coarse interval is told by integrating it in so many parts
 
 REASONS = {
@@ -27,11 +27,10 @@ def refuse_impossible(problem: Problem) -> None:
     """
     if problem.start[2] < problem.floor:
         raise PlanningError(problem.track, None, f"the start at z = {problem.start[2]:g} m lies below the floor at {problem.floor:g} m")
-    below = problem.waypoints[:, 2] + np.where(np.isfinite(problem.radii), problem.radii, LARGEST_OPENING) < problem.floor
-    if below.any():
-        phase = int(np.argmax(below))
-        height, radius = problem.waypoints[phase, 2], problem.radii[phase]
-        raise problem.error(phase, f"z = {height:g} m lies more than the tolerance of {radius:g} m below the floor at {problem.floor:g} m")
+    for phase, target in enumerate(problem.targets):
+        if _top(target) < problem.floor:
+            place = f"z = {target.position[2]:g} m lies more than {target.radius:g} m" if target.plane is None else "its opening lies"
+            raise problem.error(phase, f"{place} below the floor at {problem.floor:g} m")
     acceleration = problem.quadrotor.max_acceleration + problem.quadrotor.gravity
     fastest = acceleration * LONGEST * np.arange(1, problem.phases + 1)  # falling all the way under full thrust
     if problem.drag > 0:
@@ -41,6 +40,13 @@ def refuse_impossible(problem: Problem) -> None:
         phase = int(np.argmax(far))
         even = f"more than {LONGEST:g} s even at {fastest[phase]:.0f} m/s (gates are in metres)"
         raise problem.error(phase, f"{problem.legs[phase]:.0f} m away from the point before it: {even}")
+
+
+def _top(target: Target) -> float:
+    """[m] (world) height up to which a target reaches."""
+    if target.plane is None:
+        return float(target.position[2]) + target.radius
+    return float(target.plane.outline()[:, 2].max() + target.along * target.plane.normal[2])
 
 
 def refuse_coarse(problem: Problem, plan: Trajectory) -> None:

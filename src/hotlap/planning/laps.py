@@ -11,10 +11,9 @@ from hotlap.planning.full_stage import COMMANDED
 from hotlap.planning.minimum_time import RATES
 from hotlap.planning.problem import Floats, Problem, Trajectory
 from hotlap.planning.stage import ATTITUDE
-from hotlap.reference.attitude import product
+from hotlap.reference.attitude import CONJUGATE, product
 
 FEW, MANY = 3, 6  # laps: of the short plan; from how many on it is made
-CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
 def few_laps(problem: Problem) -> Problem | None:

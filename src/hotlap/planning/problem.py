@@ -45,7 +45,7 @@ class Problem:
         clearance: [m] wanted beside it.
         clearance_given: whether somebody asked for it.
         walls: shape (2, 3) [m] (world) least and largest coordinates; infinite where there is no wall.
-        course: the track, where it has more than points: gates with directions or frames, obstacles.
+        course: the track, where it has more than points: gates with directions or frames, obstacles, walls.
         dynamics: what the plan knows of the quadrotor; with "full" the quadrotor's own drags, motors and rate loop count.
         command_rates: shape (3,) [rad/s] largest rates that the rate loop is asked for, with "full".
     """
@@ -99,7 +99,7 @@ class Problem:
             clearance=race.vehicle.outer_radius if settings.clearance is None else settings.clearance,
             clearance_given=settings.clearance is not None,
             walls=_walls(track),
-            course=track if any(plane_of(gate, 1.0) for gate in track.gates) or track.poles or track.spheres or track.boxes else None,
+            course=track if _more_than_points(track) else None,
             dynamics=settings.dynamics,
             command_rates=settings.rate_share * np.array(race.controller.rates),
         )
@@ -186,6 +186,12 @@ class Problem:
     def error(self, phase: int, reason: str) -> PlanningError:
         """The failure of one phase: names its gate, point, or the end."""
         return PlanningError(self.track, self.targets[phase].waypoint, reason)
+
+
+def _more_than_points(track: Track) -> bool:
+    """Whether a track has gates with planes, obstacles or walls, of which the nodes of a plan do not tell enough."""
+    walled = track.box is not None or track.ceiling is not None
+    return walled or bool(track.poles or track.spheres or track.boxes) or any(plane_of(gate, 1.0) for gate in track.gates)
 
 
 def _walls(track: Track) -> Floats:

@@ -112,6 +112,11 @@ class Path:
         times = trajectory.times[:-1, None] + shares * steps
         return cls(times.ravel(), points.reshape(-1, 3), np.repeat(np.arange(count), samples), trajectory.owners, place, samples)
 
+    @property
+    def ends(self) -> NDArray[np.intp]:
+        """Node at which each phase ends, shape (M,)."""
+        return np.cumsum(np.bincount(self.owners))
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -210,10 +215,9 @@ class Surroundings:
     def rows(self, path: Path) -> LinearRows:
         """Rows that keep the nodes of a plan on the outer side of what is near to a path with the same intervals."""
         parts = []
-        ends = np.cumsum(np.bincount(path.owners))
         for k, kept in enumerate(self.kept):
             distances, away, lacks = self._measure(kept, path)
-            own = {int(ends[phase]) for phase, target in enumerate(self.problem.targets) if same_place(target.plane, kept.solid.plane)}
+            own = {int(path.ends[phase]) for phase, target in enumerate(self.problem.targets) if same_place(target.plane, kept.solid.plane)}
             nearest = np.argmin(np.where(np.isfinite(lacks), distances, np.inf).reshape(-1, path.samples), axis=1)
             for interval, sample in enumerate(interval * path.samples + step for interval, step in enumerate(nearest)):
                 reach = REACH + 0.5 * float(np.linalg.norm(path.nodes[interval + 1] - path.nodes[interval]))
@@ -282,18 +286,32 @@ class Surroundings:
         if near.any():
             distances[near], away[near] = kept.solid.measure(path.points[near])
         lacks = kept.margins(path.points) - distances
-        return distances, away, np.where(self._within(kept.solid.plane)[path.owners[path.intervals]], -np.inf, lacks)
+        return distances, away, np.where(self._on_own_way(kept.solid.plane, path, opening=kept.solid.opening), -np.inf, lacks)
 
     def _crossed(self, plane: GatePlane, path: Path) -> NDArray[np.intp]:
         """Rows of a path at which it crosses an opening against its direction, other than on its own way through it."""
         crossings = find_crossings(path.times, path.points, plane)
         wrong = crossings.times[~crossings.forward & (crossings.rims < 0)]
         rows = np.clip(np.searchsorted(path.times, wrong), 0, len(path.times) - 1)
-        return rows[~self._within(plane)[path.owners[path.intervals[rows]]]]
+        return rows[~self._on_own_way(plane, path, opening=True)[rows]]
 
-    def _within(self, plane: GatePlane | None) -> np.ndarray:
-        """Whether each phase leads through the opening of a plane, shape (M,)."""
-        return np.array([target.inside and same_place(target.plane, plane) for target in self.problem.targets])
+    def _on_own_way(self, plane: GatePlane | None, path: Path, *, opening: bool) -> np.ndarray:
+        """Whether each place of a path belongs to a passage through a plane that the route asks for, shape (rows,).
+
+        Args:
+            plane: of a gate; None for what has no opening.
+            path: the places.
+            opening: whether the opening is meant, and not its frame: where one plane stands for a gate, it is crossed beside a node.
+        """
+        through = np.zeros(len(path.owners), dtype=bool)
+        for phase, target in enumerate(self.problem.targets):
+            if not same_place(target.plane, plane):
+                continue
+            if target.inside:
+                through[path.owners == phase] = True
+            elif opening and target.along == 0:
+                through[path.ends[phase] - 1 : path.ends[phase] + 1] = True
+        return through[path.intervals]
 
 
 def _spread(target: Target) -> Floats:

@@ -12,7 +12,7 @@ import numpy as np
 
 from hotlap.core.errors import PlanningError
 from hotlap.planning.linear_rows import Floats, LinearRows
-from hotlap.race.gate_plane import MIRRORED, GatePlane, plane_of
+from hotlap.race.gate_plane import GatePlane, plane_of
 from hotlap.race.race import Race
 from hotlap.race.track import Waypoint
 
@@ -109,8 +109,7 @@ def _through(race: Race, waypoint: Waypoint, index: int, plane: GatePlane, gap: 
     size = race.vehicle.outer_radius if plane.solid else 0.0
     inset = _inset(race, waypoint, plane, size)
     if not plane.one_way and plane.depth > 0 and plane.normal @ onwards < 0:
-        corners = (plane.corners * np.array([-1.0, 1.0]))[::-1]
-        plane = replace(plane, rotation=plane.rotation @ MIRRORED, corners=corners)
+        plane = plane.turned()
     middle, room = plane.middle
     radius = np.inf if len(plane.corners) else room - inset
     centre = plane.centre + plane.rotation[:, 1:] @ middle

@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from hotlap.race.gate_plane import Floats
+from hotlap.race.gate_plane import Floats, outward_normals
 
 
 class Body(Protocol):
@@ -150,14 +150,12 @@ class Polygon:
 
     def measure(self, points: Floats) -> tuple[Floats, Floats]:
         """As of every section."""
-        along = np.roll(self.corners, -1, axis=0) - self.corners
-        lengths = np.linalg.norm(along, axis=1)
-        outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / lengths[:, None]
+        along, outward = np.roll(self.corners, -1, axis=0) - self.corners, outward_normals(self.corners)
         offsets = points[:, None] - self.corners
         beyond = (offsets * outward).sum(axis=2)
         nearest_edge = beyond.argmax(axis=1)
         inside = beyond.max(axis=1) <= 0
-        shares = ((offsets * along).sum(axis=2) / lengths**2).clip(0, 1)
+        shares = ((offsets * along).sum(axis=2) / np.linalg.norm(along, axis=1) ** 2).clip(0, 1)
         away = offsets - shares[..., None] * along
         norms = np.linalg.norm(away, axis=2)
         nearest, rows = norms.argmin(axis=1), np.arange(len(points))
@@ -167,8 +165,7 @@ class Polygon:
 
     def around(self, distance: float) -> Floats:
         """As of every section."""
-        along = np.roll(self.corners, -1, axis=0) - self.corners
-        outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+        outward = outward_normals(self.corners)
         before = np.roll(outward, 1, axis=0)
         corners = self.corners + 1.1 * distance * (before + outward) / (1 + (before * outward).sum(axis=1))[:, None]
         return np.vstack([corners, (corners + np.roll(corners, -1, axis=0)) / 2])

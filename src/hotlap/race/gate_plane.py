@@ -7,7 +7,7 @@ The rim distance of such a point is signed: negative inside the opening, by how 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 
@@ -52,8 +52,7 @@ class GatePlane:
     @cached_property
     def edges(self) -> tuple[Floats, Floats]:
         """Outward normals (k, 2) (gate) and offsets (k,) [m] of a polygon's edges: inside where normal . point <= offset."""
-        along = np.roll(self.corners, -1, axis=0) - self.corners
-        outward = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+        outward = outward_normals(self.corners)
         return outward, (outward * self.corners).sum(axis=1)
 
     @cached_property
@@ -67,6 +66,10 @@ class GatePlane:
     def room(self) -> float:
         """[m] radius of the largest circle within the opening."""
         return self.middle[1]
+
+    def turned(self) -> GatePlane:
+        """The same opening, passed the other way."""
+        return replace(self, rotation=self.rotation @ MIRRORED, corners=(self.corners * np.array([-1.0, 1.0]))[::-1])
 
     def to_gate(self, points: Floats) -> Floats:
         """Points (world) seen from the gate: along the normal, left and up, shape (..., 3) [m]."""
@@ -97,12 +100,21 @@ def plane_of(gate: Gate, free_radius: float) -> GatePlane | None:
     """
     if not gate.oriented:
         return None
-    corners, rotation = gate.polygon, gate.rotation
-    if gate.direction is PassingDirection.BACKWARD:
-        rotation, corners = rotation @ MIRRORED, (corners * np.array([-1.0, 1.0]))[::-1]
+    corners = gate.polygon
     radius = 0.0 if len(corners) else float(gate.radius or free_radius)
     one_way = gate.direction is not PassingDirection.EITHER
-    return GatePlane(np.array(gate.position), rotation, corners, radius, gate.depth, gate.frame, one_way, gate.shaped)
+    plane = GatePlane(np.array(gate.position), gate.rotation, corners, radius, gate.depth, gate.frame, one_way, gate.shaped)
+    return plane.turned() if gate.direction is PassingDirection.BACKWARD else plane
+
+
+def outward_normals(corners: Floats) -> Floats:
+    """Unit normals of a convex polygon's edges, shape (k, 2): from each corner to the next.
+
+    Args:
+        corners: shape (k, 2), counter-clockwise.
+    """
+    along = np.roll(corners, -1, axis=0) - corners
+    return np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
 
 
 def _circle(points: int) -> Floats:
