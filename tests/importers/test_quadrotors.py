@@ -122,6 +122,15 @@ def test_a_model_may_include_one_that_includes_its_links(tmp_path):
         read(top)
 
 
+def test_models_that_include_more_and_more_are_refused(tmp_path):
+    for k in range(5):
+        (tmp_path / f"m{k}").mkdir()
+        inner = f"<include><uri>model://m{k + 1}</uri></include>" * 20
+        (tmp_path / f"m{k}" / "model.sdf").write_text(f"<sdf><model name='m{k}'>{inner}</model></sdf>", encoding="utf-8")
+    with pytest.raises(InputError, match="includes more than 100 models"):
+        read(tmp_path / "m0" / "model.sdf")
+
+
 def test_rotors_that_lean_and_wings_are_named(tmp_path):
     wing = "<plugin name='w' filename='libLiftDragPlugin.so'/><model name='gps'>"
     leaning = read(changed("px4.sdf", tmp_path, ("0.15 0.2 0.02 0 0 0", "0.15 0.2 0.02 0.2 0 0"), ("<model name='gps'>", wing)))
