@@ -25,6 +25,11 @@ FORMS: dict[str, tuple[Callable[[str], str], bool, str]] = {
     "tabs": (lambda text: text.replace(",", "\t"), True, ""),
     "spaces": (lambda text: text.replace(",", "  "), True, ""),
     "decimal commas": (lambda text: text.replace(",", ";").replace(".", ","), True, "decimal commas are read as points"),
+    "decimal commas that begin late": (
+        lambda text: text.replace(",", ";").replace(".", ",").replace("0,0;", "0;").replace("0,0\n", "0\n"),
+        True,
+        "decimal commas are read as points",
+    ),
     "comments": (lambda text: "# made by hand\n" + text.replace("\n", "\n% a remark\n", 3), True, ""),
     "a header that is a comment": (lambda text: "# " + text.replace(",", " "), True, ""),
     "no header": (lambda text: text, False, "it has no header; its 18 columns are read as t, p_x, p_y"),
@@ -64,9 +69,10 @@ def test_units_that_names_tell_are_turned_into_si_units_and_that_is_said(whole, 
     assert [note.partition(": ")[2] for note in read.notes] == ["t, w_x, w_y, w_z: read in ms, deg/s"]
 
 
-def test_a_unit_that_nobody_knows_is_refused(whole, tmp_path):
-    renamed = {("p_x [ft]" if name == "p_x" else name): values for name, values in whole.items()}
-    with pytest.raises(InputError, match=r"p_x \[ft\]: the unit ft is not known"):
+@pytest.mark.parametrize(("unit", "said"), [("ft", "m, cm, mm"), ("deg", "m, cm, mm"), ("s", "m, cm, mm")])
+def test_a_unit_that_nobody_knows_or_that_measures_something_else_is_refused(whole, tmp_path, unit, said):
+    renamed = {(f"p_x [{unit}]" if name == "p_x" else name): values for name, values in whole.items()}
+    with pytest.raises(InputError, match=rf"p_x \[{unit}\]: the unit {unit} is not known; p_x is in {said}"):
         read_reference(write(tmp_path / "units.csv", renamed), RACE)
 
 
