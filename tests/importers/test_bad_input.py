@@ -14,6 +14,7 @@ import pytest
 
 import hotlap.importers
 from hotlap.core.errors import InputError
+from hotlap.files.descriptions import load
 from hotlap.importers import FORMATS, documents, read
 from importers.changed import QUADROTORS, SAMPLES, SEVERAL, TRACKS, changed
 
@@ -171,7 +172,7 @@ def test_what_is_written_loads_again_and_says_what_it_was_made_from(tmp_path, sa
     imported = read(SAMPLES / sample, name)
     path = tmp_path / "written.toml"
     path.write_text(imported.text, encoding="utf-8")
-    assert hotlap.files.descriptions.load(path) == imported.description
+    assert load(path) == imported.description
     first, *others = imported.text.splitlines()
     assert first == f"# A {imported.kind} made by hotlap import from {SAMPLES / sample}: {imported.format}." or len(first) > 100
     comments = " ".join(line[1:].strip() for line in others if line.startswith("#"))

