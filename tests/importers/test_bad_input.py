@@ -5,13 +5,16 @@ from __future__ import annotations
 import copy
 import json
 import math
+import os
 import random
+import sys
 from pathlib import Path
 
 import pytest
 
 import hotlap.importers
 from hotlap.core.errors import InputError
+from hotlap.files.descriptions import load
 from hotlap.importers import FORMATS, documents, read
 from importers.changed import QUADROTORS, SAMPLES, SEVERAL, TRACKS, changed
 
@@ -20,13 +23,17 @@ ODD = (None, "x", "a\nb", math.nan, math.inf, True, [], {}, -1, 0, 1e12, [[1, 2]
 MOST_PLACES = 25
 HARMFUL = {
     "bomb.yaml": ('a: &a ["x", "x"]\nb: [*a, *a]\n', "is not valid YAML: line 2: references (*name) are not read"),
-    "objects.yaml": ("mass: !!python/object/apply:os.getcwd []\n", "could not determine a constructor"),
+    "objects.yaml": ("mass: !!python/object/apply:os.getcwd []\n", "is not valid YAML: line 1: tags (!name) are not read"),
+    "tagged.yaml": ('a: 1\nmass: !!int ""\n', "is not valid YAML: line 2: tags (!name) are not read"),
     "twice.yaml": ("mass: 1\nmass: 2\n", "mass is there twice in one table"),
     "bomb.sdf": ('<!DOCTYPE a [<!ENTITY b "c">]><sdf>&b;</sdf>', "has a document type or entities, which are not read"),
     "outside.urdf": ('<!DOCTYPE robot SYSTEM "file:///etc/hostname"><robot/>', "has a document type or entities"),
     "deep.yaml": ("[" * 20_000, "is nested too deeply"),
     "deep.toml": (f"a = {'[' * 5_000}{']' * 5_000}", "is nested too deeply"),
     "deep.sdf": (f"<sdf>{'<model>' * 3_000}{'</model>' * 3_000}</sdf>", "is nested too deeply"),
+    "dotted.toml": (f"kappa = 1\nmass{'.a' * 300} = 1\n", "is nested too deeply"),
+    "long.toml": (f"kappa = 1\nmass = 0x{'f' * 5_000}\n", "mass: must be a whole number of at most 64 bits"),
+    "hexadecimal.yaml": (f"kappa: 1\nmass: 0x{'f' * 5_000}\n", "mass: must be a whole number of at most 64 bits"),
     "long.yaml": (f"mass: {'1' * 5_000}", "is not valid YAML"),
     "large.yaml": ("#" * (documents.MAX_BYTES + 1), "is larger than 0.5 MB"),
     "broken.toml": ("a = [1\n", "is not valid TOML"),
@@ -34,6 +41,9 @@ HARMFUL = {
     "broken.sdf": ("<sdf><model></sdf>", "is not valid XML"),
     "empty.yaml": ("", "holds no keys"),
     "list.yaml": ("- 1\n", "holds no keys"),
+    "numbers.yaml": ("1: {n_motors: 4}\non: {n_motors: 4}\n", "describes 2 vehicles; choose one with --name: 1, on"),
+    "short.yaml": ("kappa: 1\nmass: 1\nt_BM: [[1, 2, 3, 4]]\n", "t_BM: must have 3 rows, not 1"),
+    "endless.sdf": (f"<sdf><model><include><uri>{'a' * 300}</uri></include></model></sdf>", "no model has plugins of motors"),
     "unknown.yaml": ("colour: red\n", "is none of what can be read: a track of TOGT-Planner (YAML); "),
     "unknown.xml": ("<html/>", "is none of what can be read"),
     "own.toml": ("start = [0, 0, 1]\ngates = [[1, 0, 1]]\nend = [2, 0, 1]\n", "is a file of hotlap itself: hotlap check "),
@@ -145,6 +155,13 @@ def test_numbers_that_yaml_takes_for_text_are_numbers(tmp_path):
     assert read(changed("togt_drone.yaml", tmp_path, ("0.80", "8e-1"))).description.mass == 0.8
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are text here")
+def test_a_file_whose_name_is_no_text_is_read(tmp_path):
+    path = tmp_path / os.fsdecode(b"\xff.urdf")
+    path.write_bytes((SAMPLES / "pybullet.urdf").read_bytes())
+    assert read(path).text.isascii()
+
+
 def test_every_format_has_a_sample():
     kinds = [read(SAMPLES / sample, name).format for sample, name in EACH]
     assert set(kinds) == {format_.name for format_ in FORMATS}
@@ -155,7 +172,7 @@ def test_what_is_written_loads_again_and_says_what_it_was_made_from(tmp_path, sa
     imported = read(SAMPLES / sample, name)
     path = tmp_path / "written.toml"
     path.write_text(imported.text, encoding="utf-8")
-    assert hotlap.files.descriptions.load(path) == imported.description
+    assert load(path) == imported.description
     first, *others = imported.text.splitlines()
     assert first == f"# A {imported.kind} made by hotlap import from {SAMPLES / sample}: {imported.format}." or len(first) > 100
     comments = " ".join(line[1:].strip() for line in others if line.startswith("#"))

@@ -26,6 +26,17 @@ def test_a_drone_of_togt_may_say_its_levers_in_a_matrix(tmp_path):
     assert (drone.arm, drone.layout, drone.torque_ratio) == (pytest.approx(0.15 * sqrt(2)), RotorLayout.X, 0.05)
 
 
+def test_which_way_the_first_rotor_of_togt_turns_does_not_matter(tmp_path):
+    rows = "T_bm: [[1, 1, 1, 1], [0.15, -0.15, -0.15, 0.15], [-0.15, -0.15, 0.15, 0.15], [-0.05, 0.05, -0.05, 0.05]]"
+    assert read(changed("togt_drone.yaml", tmp_path, ("armLength:   0.12\n", f"{rows}\n"))).description.torque_ratio == 0.05
+
+
+def test_an_angle_of_togt_other_than_45_degrees_makes_two_levers(tmp_path):
+    imported = read(changed("togt_drone.yaml", tmp_path, ("beta:        45.0", "beta:        30.0")))
+    assert imported.description.arm == pytest.approx(0.12)
+    assert any("levers of 0.06 m for roll and 0.1039 m for pitch" in remark for remark in imported.lost)
+
+
 def test_a_matrix_of_a_plus_is_a_plus(tmp_path):
     rows = "T_bm: [[1, 1, 1, 1], [0.0, -0.15, 0.0, 0.15], [-0.15, 0.0, 0.15, 0.0], [0.05, -0.05, 0.05, -0.05]]"
     drone = read(changed("togt_drone.yaml", tmp_path, ("armLength:   0.12\n", f"{rows}\n"))).description
@@ -53,6 +64,8 @@ def test_a_quadrotor_of_agilicious_sits_where_its_rotors_are(tmp_path):
     assert [remark.partition(":")[0] for remark in imported.lost[:3]] == ["rotor positions", "aero_coeff_3", "aero_coeff_h"]
     by_speed = changed("agilicious.yaml", tmp_path, ("thrust_max:       5.5\n", ""))
     assert read(by_speed).description.rotor_thrust[1] == pytest.approx(1.5e-6 * 2000**2)
+    idling = changed("agilicious.yaml", tmp_path, ("thrust_min:       0.0\n", ""))
+    assert read(idling).description.rotor_thrust == (pytest.approx(1.5e-6 * 150**2), 5.5)
 
 
 def test_a_quadrotor_of_fast_fly_has_the_diagonal_for_an_arm():
@@ -122,6 +135,15 @@ def test_a_model_may_include_one_that_includes_its_links(tmp_path):
         read(top)
 
 
+def test_models_that_include_more_and_more_are_refused(tmp_path):
+    for k in range(5):
+        (tmp_path / f"m{k}").mkdir()
+        inner = f"<include><uri>model://m{k + 1}</uri></include>" * 20
+        (tmp_path / f"m{k}" / "model.sdf").write_text(f"<sdf><model name='m{k}'>{inner}</model></sdf>", encoding="utf-8")
+    with pytest.raises(InputError, match="includes more than 100 models"):
+        read(tmp_path / "m0" / "model.sdf")
+
+
 def test_rotors_that_lean_and_wings_are_named(tmp_path):
     wing = "<plugin name='w' filename='libLiftDragPlugin.so'/><model name='gps'>"
     leaning = read(changed("px4.sdf", tmp_path, ("0.15 0.2 0.02 0 0 0", "0.15 0.2 0.02 0.2 0 0"), ("<model name='gps'>", wing)))
@@ -147,6 +169,19 @@ def test_angles_of_a_pose_turn_what_stands_on_it(tmp_path, angle):
     assert about.inertia != pytest.approx(read(SAMPLES / "px4.sdf").description.inertia)
 
 
+def test_the_axes_of_an_inertia_turn_with_its_pose(tmp_path):
+    base = "<mass>1.4</mass>\n        <inertia><ixx>0.02</ixx>"
+    turned = "<pose>0 0 0 0 0 1.5707963267948966</pose><mass>1.4</mass><inertia><ixx>0.03</ixx>"
+    x, y, _ = read(SAMPLES / "px4.sdf").description.inertia
+    assert read(changed("px4.sdf", tmp_path, (base, turned))).description.inertia[:2] == pytest.approx((x, y + 0.01))
+
+
+def test_rotors_of_gazebo_are_seen_from_the_centre_of_mass(tmp_path):
+    heavy = read(changed("px4.sdf", tmp_path, ("<pose>0.06 0 0 0 0 0</pose>", "<pose>2.5 0 0 0 0 0</pose>"))).description
+    ahead = 2.5 * 0.06 / 1.5
+    assert heavy.arm == pytest.approx((sqrt((0.15 - ahead) ** 2 + 0.2**2) + sqrt((0.15 + ahead) ** 2 + 0.2**2)) / 2)
+
+
 def test_a_drone_of_pybullet_has_its_thrust_from_its_weight():
     imported = read(SAMPLES / "pybullet.urdf")
     drone = imported.description
@@ -156,6 +191,12 @@ def test_a_drone_of_pybullet_has_its_thrust_from_its_weight():
     assert drone.motor_time == (0, 0)
     turns = 20_000.0  # revolutions a minute: 0.16 N, and 1e-6 N s/m for each rad/s
     assert drone.rotor_drag * sqrt(4.0e-10 * turns**2) == pytest.approx(1.0e-6 * turns * 2 * pi / 60)
+
+
+def test_an_arm_of_pybullet_that_is_not_where_its_propellers_are_is_named(tmp_path):
+    imported = read(changed("pybullet.urdf", tmp_path, ('arm="0.05"', 'arm="0.06"')))
+    assert imported.description.arm == pytest.approx(0.05, rel=0.01)
+    assert any(remark.startswith("properties.arm = 0.06 m: the propellers sit 0.0") for remark in imported.lost)
 
 
 def test_propellers_that_would_overlap_do_not_set_the_size(tmp_path):

@@ -68,6 +68,7 @@ def test_a_level_of_lsy_has_openings_frames_poles_and_a_box():
     assert [gate.yaw for gate in track.gates] == [-0.5, 2.0]
     assert (track.gates[1].pitch, track.gates[1].roll) == (0.2, 0.1)
     assert all((gate.side, gate.frame) == (0.4, 0.16) for gate in track.counted)
+    assert track.attitude == pytest.approx((sqrt(0.5), 0, 0, sqrt(0.5)))
     assert track.floor == 0.0
     pole, *stands = track.poles
     assert (pole.position, pole.radius, pole.top) == ((0.0, 0.75), 0.015, 1.5)

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from hotlap.files.descriptions import load_quadrotor
 from hotlap.race.flight_performance import steady_thrust
+from hotlap.race.race import PlanDynamics
 from hotlap.reference.attitude import rotate, thrust_axis
 from hotlap.reference_files.flatness import (
     along_axis,
@@ -18,7 +19,8 @@ from hotlap.reference_files.flatness import (
     rotor_thrusts,
     slopes,
 )
-from hotlap.reference_files.thrust_vectors import axes_of, with_drag
+from hotlap.reference_files.thrust_vectors import axes_of, planned_thrust, with_drag
+from planning import small
 
 LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
 PERIOD = 0.01
@@ -44,6 +46,13 @@ def test_the_thrust_axis_points_along_the_thrust_with_any_yaw_or_none(seed):
 def test_without_a_yaw_the_drone_never_turns_about_its_own_axis():
     rates = rates_of(attitudes_along(wandering(3), LEVEL), PERIOD)
     assert np.abs(rates[:, 2]).max() < 0.01 * np.abs(rates[:, :2]).max()
+
+
+def test_left_keeps_its_side_in_a_loop():
+    angle = np.linspace(0, 2 * np.pi, 500)
+    loop = np.column_stack([np.sin(angle), 0 * angle, np.cos(angle)])
+    left = rotate(attitudes_with_yaw(loop, 0 * angle), np.tile([0.0, 1.0, 0.0], (500, 1)))
+    assert_allclose(left, np.tile([0.0, 1.0, 0.0], (500, 1)), atol=1e-9)
 
 
 def test_in_free_fall_the_direction_before_stays():
@@ -89,6 +98,16 @@ def test_rotors_give_the_torque_of_a_turn_that_grows():
     rotors = rotor_thrusts(quadrotor, np.full(len(TIMES), 12.0), rates, PERIOD)
     inertia = quadrotor.inertia_vector
     assert_allclose(rotors @ quadrotor.torque_matrix.T, inertia * [2.0, -1.0, 0.3] + np.cross(rates, inertia * rates), atol=1e-9)
+
+
+def test_a_plan_with_all_drags_leans_against_that_of_its_largest_speed_too():
+    vehicle = load_quadrotor("airsim").model_copy(update={"body_drag": (0.0, 0.0, 0.0)})
+    settings = {"quadrotor": None, "v_max": 15.0, "dynamics": PlanDynamics.FULL}
+    planning = small.RACES["drag"].planning.model_copy(update=settings)
+    race = small.RACES["drag"].model_copy(update={"vehicle": vehicle, "model": None, "planning": planning})
+    vector = planned_thrust(race, np.array([[10.0, 0.0, 0.0]]), np.zeros((1, 3)))[0]
+    assert race.planning_drag > 0
+    assert_allclose(vector, [10 * race.planning_drag, 0, vehicle.gravity], atol=1e-3)
 
 
 def test_level_flight_takes_the_thrust_that_the_vehicle_needs_there():

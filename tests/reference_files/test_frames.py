@@ -42,6 +42,13 @@ def test_positions_with_z_down_alone_are_enough(whole, reference, tmp_path):
     assert_same_flight(read.reference, reference)
 
 
+def test_a_yaw_of_ned_is_turned_with_the_rest(whole, tmp_path):
+    yaw = 0.5 + 0.4 * whole["t"]
+    up = read_reference(write(tmp_path / "up.csv", {**some(whole, V), "yaw": yaw}), RACE)
+    down = read_reference(write(tmp_path / "down.csv", {**some(turned_down(whole, swapped=False), V), "yaw": -yaw}), RACE)
+    assert_allclose(down.reference.attitude, up.reference.attitude, atol=1e-9)
+
+
 def test_a_flight_that_begins_elsewhere_in_every_frame_is_refused_as_it_stands(whole, reference, tmp_path):
     away = replace(reference).position[0] + [0.0, 3.0, 0.0]
     race = RACE.model_copy(update={"track": RACE.track.model_copy(update={"start": tuple(away.tolist())})})

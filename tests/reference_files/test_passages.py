@@ -151,6 +151,13 @@ def test_the_way_back_through_a_gate_is_not_its_passage():
         through(opened(back, hole(4.0)), there_and_back)
 
 
+def test_of_several_crossings_of_an_opening_the_one_nearest_to_its_middle_counts():
+    there_and_back = line()
+    there_and_back[500:] = there_and_back[500::-1]
+    there_and_back[:, 1] = np.where(TIMES < 5, 0.1, 0.0)
+    assert_allclose(through(opened(hole(4.003, direction="either")), there_and_back), [7.9985], atol=1e-6)
+
+
 def test_a_plan_that_ends_on_the_plane_of_its_last_gate_passes_it():
     assert_allclose(through(opened(hole(3.0), hole(20.0 + 1e-4)), line()), [1.5, 10.0], atol=1e-3)
 

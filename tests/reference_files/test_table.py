@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from hotlap.core.errors import InputError
 from hotlap.reference_files.csv import read_reference
+from hotlap.reference_files.table import read_table
 
 from .flights import RACE, Columns, Q, U, V, W, assert_same_flight, some, write
 
@@ -49,6 +50,14 @@ def test_the_form_of_a_file_changes_nothing(whole, reference, tmp_path, change, 
     assert all(note in said for said in read.notes)
 
 
+def test_decimal_commas_may_begin_behind_a_row_of_whole_numbers(tmp_path):
+    path = tmp_path / "flight.csv"
+    path.write_text("t;p_x;p_y;p_z\n0;0;0;1\n" + "".join(f"0,0{k};0;0;1\n" for k in range(1, 10)))
+    table = read_table(path)
+    assert_allclose(table.values[:, 0], 0.01 * np.arange(10))
+    assert table.notes == ("decimal commas are read as points",)
+
+
 @pytest.mark.parametrize(("groups", "names"), [((V,), "v_z"), ((Q,), "q_z"), ((Q, V), "v_z"), ((), "p_z")])
 def test_without_a_header_the_number_of_columns_says_what_they_are(whole, reference, tmp_path, groups, names):
     read = read_reference(write(tmp_path / "bare.csv", some(whole, *groups), header=False), RACE)
@@ -64,9 +73,10 @@ def test_units_that_names_tell_are_turned_into_si_units_and_that_is_said(whole, 
     assert [note.partition(": ")[2] for note in read.notes] == ["t, w_x, w_y, w_z: read in ms, deg/s"]
 
 
-def test_a_unit_that_nobody_knows_is_refused(whole, tmp_path):
-    renamed = {("p_x [ft]" if name == "p_x" else name): values for name, values in whole.items()}
-    with pytest.raises(InputError, match=r"p_x \[ft\]: the unit ft is not known"):
+@pytest.mark.parametrize(("unit", "said"), [("ft", "m, cm, mm"), ("deg", "m, cm, mm"), ("s", "m, cm, mm")])
+def test_a_unit_that_nobody_knows_or_that_measures_something_else_is_refused(whole, tmp_path, unit, said):
+    renamed = {(f"p_x [{unit}]" if name == "p_x" else name): values for name, values in whole.items()}
+    with pytest.raises(InputError, match=rf"p_x \[{unit}\]: the unit {unit} is not known; p_x is in {said}"):
         read_reference(write(tmp_path / "units.csv", renamed), RACE)
 
 

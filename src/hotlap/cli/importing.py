@@ -10,7 +10,7 @@ from pathlib import Path
 from hotlap.api.importing import import_file
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import present
-from hotlap.importers.content import printable
+from hotlap.core.printable import printable
 from hotlap.importers.imported import Imported
 
 

@@ -17,6 +17,7 @@ from hotlap.cli.arguments import COMMANDS, module_of, overview
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
 from hotlap.core.errors import HotlapError, InputError, UnknownNameError
+from hotlap.core.printable import printable
 from hotlap.core.version import __version__
 from hotlap.system.blas_threads import one_thread
 
@@ -112,8 +113,7 @@ def _show_each_once() -> Callable[..., None]:
 
 def _complain(message: str, status: int) -> int:
     """One line on standard error."""
-    printable = (character if character.isprintable() else repr(character)[1:-1] for character in message)  # as of a file's odd name
-    sys.stderr.write(f"hotlap: {''.join(printable)}\n")
+    sys.stderr.write(f"hotlap: {printable(message)}\n")
     return status
 
 

@@ -9,6 +9,8 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any
 
+from hotlap.core.printable import printable
+
 
 class HotlapError(Exception):
     """Base of every error that hotlap raises on purpose; one raised in a worker process arrives as it was."""
@@ -25,7 +27,7 @@ def _rebuild(kind: type[HotlapError], arguments: tuple[Any, ...], state: dict[st
 
 
 class InputError(HotlapError):
-    """Something that a user gave is not usable: says where, which key, and why.
+    """Something that a user gave is not usable: says where, which key, and why, on one line.
 
     Args:
         source: the file or the command-line option.
@@ -35,7 +37,7 @@ class InputError(HotlapError):
 
     def __init__(self, source: str, key: str, reason: str) -> None:
         self.source, self.key, self.reason = source, key, reason
-        super().__init__(": ".join(part for part in (source, key, reason) if part))
+        super().__init__(printable(": ".join(part for part in (source, key, reason) if part)))
 
 
 class UnknownNameError(InputError):

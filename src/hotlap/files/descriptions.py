@@ -132,9 +132,12 @@ def load_parameters(path: str | Path) -> SavedParameters:
         InputError: with the file, the key and the reason.
     """
     path = Path(path)
-    if path.is_dir():
-        path = path / PARAMETERS_FILE
-    if not path.exists():
+    try:
+        path = path / PARAMETERS_FILE if path.is_dir() else path
+        present = path.exists()
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be read: {cause_of(error)}") from None
+    if not present:
         raise InputError(str(path), "", "there is no such file")
     return SavedParameters.from_table(read(path, str(path)), str(path))
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hotlap.core.errors import InputError
+from hotlap.files.bounds import keep_bounds
 from hotlap.system.text_files import cause_of
 
 MAX_BYTES = 1_000_000  # a description takes a few thousand
@@ -29,7 +30,7 @@ def read(path: Path | Traversable, label: str) -> dict[str, Any]:
         content = path.read_bytes() if not isinstance(path, Path) or path.stat().st_size <= MAX_BYTES else None
         if content is None:
             raise InputError(label, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is not a description")
-        return tomllib.loads(content.decode("utf-8-sig"))
+        return keep_bounds(tomllib.loads(content.decode("utf-8-sig")), label)
     except UnicodeDecodeError as error:
         raise InputError(label, "", f"is not UTF-8 text (byte {error.start + 1})") from None
     except RecursionError:

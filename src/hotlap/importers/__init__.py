@@ -14,6 +14,7 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from hotlap.core.errors import InputError
+from hotlap.core.printable import printable
 from hotlap.files.kinds import Kind
 from hotlap.files.recognition import TYPES
 from hotlap.importers import agilicious, drone_models, fast_fly, lsy_drone_racing, mrs, rpg_time_optimal, sdf, togt, urdf
@@ -54,7 +55,7 @@ def read(path: str | Path, name: str | None = None) -> Imported:
     except RecursionError:
         raise InputError(str(path), "", "is nested too deeply") from None
     _end_at_the_last_gate(found)
-    named = {"name": found.table.get("name") or Path(path).stem, "provenance": f"{Path(path).name}, {format_.name}"}
+    named = {"name": found.table.get("name") or printable(Path(path).stem), "provenance": f"{printable(Path(path).name)}, {format_.name}"}
     whole = rounded({**found.table, **named})
     table = {key: whole[key] for key in TYPES[format_.kind].model_fields if key in whole}
     lost = [*found.lost, *_defaults(table)] if format_.kind is Kind.QUADROTOR else found.lost

@@ -35,7 +35,7 @@ def _arms(found: Findings, content: Content) -> None:
     if "arm_length" in content:
         from_diagonal(found, content["arm_length"].positive(), "arm_length")
     elif "t_BM" in content:
-        x, y, *_ = (row.vector(4) for row in content["t_BM"].entries())
+        x, y, _ = content["t_BM"].matrix(3, 4)
         place_rotors(found, np.array([x, y]).T, content["t_BM"])
     else:
         place_rotors(found, np.array([content[key].vector()[:2] for key in POSITIONS]), content)

@@ -38,7 +38,7 @@ class Content:
         """
         table, key = self.table(), f"{self.key}.{name}" if self.key else name
         if table.get(name) is None:
-            raise InputError(self.file, printable(key), "is missing")
+            raise InputError(self.file, key, "is missing")
         return Content(self.file, table[name], key)
 
     def maybe(self, name: str) -> Content | None:
@@ -48,7 +48,7 @@ class Content:
 
     def fault(self, reason: str) -> InputError:
         """The error that says what is wrong here."""
-        return InputError(self.file, printable(self.key), printable(reason))
+        return InputError(self.file, self.key, reason)
 
     def has(self, *names: str) -> bool:
         """Whether this is a table with all these keys."""
@@ -129,6 +129,17 @@ class Content:
             raise self.fault(f"must be a list of {length} numbers, not {show(self.value)}")
         return [entry.number() for entry in self.items()]
 
+    def matrix(self, rows: int, columns: int) -> list[list[float]]:
+        """A list of rows of numbers.
+
+        Raises:
+            InputError: it is none, or it has another shape.
+        """
+        found = self.entries()
+        if len(found) != rows:
+            raise self.fault(f"must have {rows} rows, not {len(found)}")
+        return [row.vector(columns) for row in found]
+
     def diagonal(self) -> list[float]:
         """Three numbers, or the diagonal of a matrix of three rows.
 
@@ -136,13 +147,5 @@ class Content:
             InputError: it is neither.
         """
         if isinstance(self.value, list) and self.value and isinstance(self.value[0], list):
-            rows = self.entries()
-            if len(rows) != 3:
-                raise self.fault(f"must have 3 rows, not {len(rows)}")
-            return [row.vector()[i] for i, row in enumerate(rows)]
+            return [row[i] for i, row in enumerate(self.matrix(3, 3))]
         return self.vector()
-
-
-def printable(text: str) -> str:
-    """A text on one line, whatever the file has put into it."""
-    return "".join(character if character.isprintable() else repr(character)[1:-1] for character in text)

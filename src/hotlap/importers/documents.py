@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections import Counter
 from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from defusedxml.common import DefusedXmlException
 from defusedxml.ElementTree import fromstring
 
 from hotlap.core.errors import InputError
+from hotlap.files.bounds import keep_bounds
 from hotlap.system.text_files import cause_of
 
 MAX_BYTES = 500_000  # the largest description that was met has 50 000
@@ -31,7 +33,7 @@ def read_document(path: Path) -> dict[str, Any] | Element:
         raise InputError(str(path), "", "is nested too deeply") from None
     if not isinstance(found, Element | dict) or (isinstance(found, dict) and not found):
         raise InputError(str(path), "", "holds no keys: it is neither YAML, TOML nor XML with a description")
-    return found
+    return found if isinstance(found, Element) else keep_bounds(found, str(path))
 
 
 def _text(path: Path) -> str:
@@ -73,18 +75,22 @@ def _parse_table(text: str, path: Path) -> Any:
 
 
 class _PlainLoader(yaml.SafeLoader):
-    """The safe loader, without references, of which a few lines make any amount of data, and without keys that are there twice."""
+    """The safe loader, without references, of which a few lines make any amount of data, without tags and keys that are there twice."""
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
-        """A node; one that repeats another is refused."""
-        if self.check_event(yaml.AliasEvent):
-            raise yaml.YAMLError(f"line {self.peek_event().start_mark.line + 1}: references (*name) are not read")
+        """A node; one that repeats another or is to be made something else by a tag is refused."""
+        event = self.peek_event()
+        odd = "references (*name)" if isinstance(event, yaml.AliasEvent) else "tags (!name)" if getattr(event, "tag", None) else ""
+        if odd:
+            raise yaml.YAMLError(f"line {event.start_mark.line + 1}: {odd} are not read")
         return super().compose_node(parent, index)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
-        """A table; a key that is there twice is refused."""
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        twice = next((key for i, key in enumerate(keys) if key in keys[:i]), None) if len(set(keys)) < len(keys) else None
+        """A table whose keys are all text, as they are written; one that is there twice is refused."""
+        keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        for key in keys:
+            key.tag = yaml.resolver.BaseResolver.DEFAULT_SCALAR_TAG
+        twice = next((key for key, count in Counter(key.value for key in keys).items() if count > 1), None)
         if twice is not None:
             raise yaml.YAMLError(f"line {node.start_mark.line + 1}: {twice} is there twice in one table")
         return super().construct_mapping(node, deep)

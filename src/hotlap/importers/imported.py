@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hotlap.core.printable import printable
 from hotlap.files.error_messages import check
 from hotlap.files.kinds import Kind
 from hotlap.files.recognition import TYPES
-from hotlap.files.toml_writer import write_value
-from hotlap.importers.content import printable
+from hotlap.files.toml_writer import write_pair
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.track import Track
 
@@ -60,7 +60,7 @@ class Imported:
         for title, remarks in (("Taken as:", self.taken), ("Not carried over:", self.lost)):
             head += [title, *(f"  {remark}" for remark in remarks)] if remarks else []
         lines = [f"# {part}" for line in head for part in _wrapped(printable(line))]
-        return "\n".join([*lines, *(_entry(key, value) for key, value in self.table.items())]) + "\n"
+        return "\n".join([*lines, *(write_pair(key, value) for key, value in self.table.items())]) + "\n"
 
 
 @dataclass(frozen=True)
@@ -112,10 +112,3 @@ def _wrapped(line: str) -> list[str]:
     indent = " " * (len(line) - len(line.lstrip()))
     long = len(line) > WIDTH - 2
     return textwrap.wrap(line.lstrip(), WIDTH - 2, initial_indent=indent, subsequent_indent=indent + "  ") if long else [line]
-
-
-def _entry(key: str, value: Any) -> str:
-    """A key with its value; what a list of lists or tables holds takes a line each."""
-    if isinstance(value, Sequence) and not isinstance(value, str) and value and isinstance(value[0], Mapping | Sequence):
-        return f"{key} = [\n" + "".join(f"  {write_value(item)},\n" for item in value) + "]"
-    return f"{key} = {write_value(value)}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from xml.etree.ElementTree import Element
 
 from hotlap.core.errors import InputError
-from hotlap.importers.content import Content, printable
+from hotlap.importers.content import Content
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Markup:
 
     def fault(self, reason: str) -> InputError:
         """The error that says what is wrong here."""
-        return InputError(self.file, printable(self.key), printable(reason))
+        return InputError(self.file, self.key, reason)
 
     def all(self, tag: str) -> Iterator[Markup]:
         """The children of a kind."""
@@ -54,7 +54,7 @@ class Markup:
         """
         found = self.first(tag)
         if found is None:
-            raise InputError(self.file, printable(f"{self.key}.{tag}" if self.key else tag), "is missing")
+            raise InputError(self.file, f"{self.key}.{tag}" if self.key else tag, "is missing")
         return found
 
     def within(self, tag: str) -> Iterator[Markup]:

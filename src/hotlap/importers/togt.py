@@ -221,20 +221,13 @@ def _arms(found: Findings, content: Content) -> None:
             x, y = length * math.cos(beta), length * math.sin(beta)
             place_rotors(found, np.array([[x, y], [x, -y], [-x, -y], [-x, y]]), content["beta"])
     elif "T_bm" in content:
-        _, roll, pitch, yaw = (row.vector(4) for row in _rows(content["T_bm"]))
+        _, roll, pitch, yaw = content["T_bm"].matrix(4, 4)
         found.table["torque_ratio"] = abs(yaw[0])
         place_rotors(found, np.array([np.negative(pitch), roll]).T, content["T_bm"])
     else:
         found.table["torque_ratio"] = content["torCoeff"].positive()
         keys = ("tbm_fr", "tbm_bl", "tbm_br", "tbm_fl")
         place_rotors(found, np.array([content[key].vector()[:2] for key in keys]), content)
-
-
-def _rows(matrix: Content) -> list[Content]:
-    rows = matrix.entries()
-    if len(rows) != 4:
-        raise matrix.fault(f"must have 4 rows, not {len(rows)}")
-    return rows
 
 
 FORMATS = (

@@ -42,16 +42,19 @@ _OTHER_NAMES: Mapping[str, tuple[str, ...]] = {
     **{f"q_{part}": (f"q{part}", f"quat_{part}", f"quaternion_{part}", f"orientation_{part}") for part in "wxyz"},
     **{f"u_{rotor}": (f"u{rotor}", f"thrust_{rotor}") for rotor in "1234"},
 }
-_DEGREE, _SI = math.pi / 180, ("", "-", "1", "s", "m", "m/s", "m/s^2", "m/s2", "m/s/s", "rad", "rad/s", "radians", "n")
-_FACTORS: Mapping[str, float] = {
-    **dict.fromkeys(_SI, 1.0),
-    **dict.fromkeys(("deg", "degrees", "deg/s", "deg_s", "dps", "\u00b0", "\u00b0/s"), _DEGREE),
-    "ms": 1e-3,
-    "us": 1e-6,
-    "ns": 1e-9,
-    "mm": 1e-3,
-    "cm": 1e-2,
+_DEGREE = math.pi / 180
+_ANGLES: Mapping[str, float] = {"rad": 1.0, "radians": 1.0, **dict.fromkeys(("deg", "degrees", "\u00b0"), _DEGREE)}
+_UNITS: Mapping[str, Mapping[str, float]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "position": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "attitude": {},
+    "velocity": {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 1e-2, "mm/s": 1e-3},
+    "rates": {"rad/s": 1.0, **dict.fromkeys(("deg/s", "deg_s", "dps", "\u00b0/s"), _DEGREE), **_ANGLES},
+    "thrusts": {"n": 1.0},
+    "acceleration": dict.fromkeys(("m/s^2", "m/s2", "m/s/s", "m/s\u00b2"), 1.0),
+    "angles": _ANGLES,
 }
+_NONE = {"": 1.0, "-": 1.0, "1": 1.0}
 _BRACKETED = re.compile(r"(.*?)[\s_]*[\[(]\s*(.*?)\s*[\])]")
 _SUFFIXED = re.compile(r"(.*)_(deg/s|deg_s|degrees|deg|rad|dps|ns|us|ms|mm|cm)")
 
@@ -73,11 +76,12 @@ class Column:
     factor: float = 1.0
 
 
-def columns_of(source: str, header: Sequence[str]) -> dict[str, Column]:
+def columns_of(source: str, line: int, header: Sequence[str]) -> dict[str, Column]:
     """The columns that a header names; whatever else stands there is ignored.
 
     Args:
         source: the file, for messages.
+        line: where the header stands.
         header: names as they stand in the file.
 
     Raises:
@@ -86,7 +90,7 @@ def columns_of(source: str, header: Sequence[str]) -> dict[str, Column]:
     names = [name.strip().strip("\"'").lstrip("#%/").strip() for name in header]
     found = {name: column for name in KNOWN if (column := _find(source, name, names))}
     if not set(found) & set(REQUIRED):
-        raise InputError(source, "line 1", f"is no header of a reference; it must have the columns {','.join(REQUIRED)}")
+        raise InputError(source, f"line {line}", f"is no header of a reference; it must have the columns {','.join(REQUIRED)}")
     _refuse_partial(source, found)
     return found
 
@@ -105,12 +109,17 @@ def _find(source: str, name: str, names: Sequence[str]) -> Column | None:
             raise InputError(source, name, f"this column stands there twice, as {' and '.join(names[place] for place in places)}")
         if places:
             unit = plain[places[0]][1]
-            if unit.lower() not in _FACTORS:
-                raise InputError(
-                    source, names[places[0]], f"the unit {unit} is not known; {name} is in SI units, or in deg, ms, us, ns, mm, cm"
-                )
-            return Column(name, places[0], unit, _FACTORS[unit.lower()])
+            return Column(name, places[0], unit, _factor(source, name, names[places[0]], unit))
     return None
+
+
+def _factor(source: str, name: str, written: str, unit: str) -> float:
+    """What makes SI units of a column."""
+    units = next(_UNITS[group] for group in _UNITS if name in GROUPS[group])
+    factor = {**_NONE, **units}.get(unit.lower())
+    if factor is None:
+        raise InputError(source, written, f"the unit {unit} is not known; {name} is in {', '.join(units) or 'no unit'}")
+    return factor
 
 
 def _plain(name: str) -> tuple[str, str]:

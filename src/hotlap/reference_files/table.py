@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 
 MAX_BYTES = 20_000_000  # the largest known, with the columns of complementary progress, takes half
 LEAST_ROWS = 10
+LARGEST = 1e20  # a number beyond it is a mistake, of which squares and sums might overflow; nanoseconds since 1970 have 1e18
 COMMENTS = ("#", "%", "//")
 PLACES = {name: place for place, name in enumerate(KNOWN)}
 TIME, POSITION, ATTITUDE, VELOCITY, RATES, THRUSTS = 0, slice(1, 4), slice(4, 8), slice(8, 11), slice(11, 14), slice(14, 18)
@@ -93,17 +94,17 @@ def read_table(path: Path) -> Table:
     """
     source, notes = str(path), list[str]()
     numbered = [(number, line) for number, line in enumerate(_text(path).splitlines(), 1) if line.strip()]
-    comments = [line for _, line in numbered if line.lstrip().startswith(COMMENTS)]
+    comments = [(number, line) for number, line in numbered if line.lstrip().startswith(COMMENTS)]
     kept = [(number, line) for number, line in numbered if not line.lstrip().startswith(COMMENTS)]
     if not kept and not comments:
         raise InputError(source, "line 1", "is empty; it must be a header that names the columns")
     separator = _separator(kept[0][1] if kept else "")
     cells = _cells(source, kept, separator)
     header, cells = _header(source, comments, cells, separator)
-    if separator != "," and any(_DECIMAL_COMMA.fullmatch(cell) for _, row in cells[:1] for cell in row):
+    if separator != "," and any("," in cell and _DECIMAL_COMMA.fullmatch(cell) for _, row in cells for cell in row):
         cells = [(line, [cell.replace(",", ".") for cell in row]) for line, row in cells]
         notes.append("decimal commas are read as points")
-    columns = columns_of(source, header) if header is not None else _guessed(source, cells, notes)
+    columns = columns_of(source, *header) if header is not None else _guessed(source, cells, notes)
     table = _numbers(source, columns, cells)
     odd = [column for column in columns.values() if column.factor != 1.0]
     notes += (
@@ -149,16 +150,16 @@ def _cells(source: str, lines: Sequence[tuple[int, str]], separator: str) -> lis
 
 
 def _header(
-    source: str, comments: Sequence[str], cells: list[tuple[int, list[str]]], separator: str
-) -> tuple[list[str] | None, list[tuple[int, list[str]]]]:
-    """Names of the columns, None where nothing names them, and the rows below."""
+    source: str, comments: Sequence[tuple[int, str]], cells: list[tuple[int, list[str]]], separator: str
+) -> tuple[tuple[int, list[str]] | None, list[tuple[int, list[str]]]]:
+    """Line and names of the columns, None where nothing names them, and the rows below."""
     if cells and not all(_is_number(cell) for cell in cells[0][1] if cell.strip()):
-        return cells[0][1], cells[1:]
-    for comment in reversed(comments):  # a header may be a comment
+        return cells[0], cells[1:]
+    for line, comment in reversed(comments):  # a header may be a comment
         text = comment.strip().lstrip("#%/").strip()
         for names in (text.split(separator) if separator else text.split(), re.split(r"[,;\s]+", text)):
             if sum(1 for name in names if name.strip() in PLACES) >= len(REQUIRED):
-                return names, cells
+                return (line, list(names)), cells
     if not cells:
         raise InputError(source, "", f"has 0 rows; a flight takes at least {LEAST_ROWS}")
     return None, cells
@@ -202,7 +203,7 @@ def _number(source: str, line: int, column: Column, row: list[str], last: bool) 
     """One value; a thrust in the last row need not be there, for nothing follows it."""
     cell = row[column.place].strip() if column.place < len(row) else ""
     value = _value(cell)
-    if np.isfinite(value) or (last and column.name in THRUST_NAMES):
+    if abs(value) <= LARGEST or (last and column.name in THRUST_NAMES):
         return value
     if column.place >= len(row):
         raise _fault(source, line, column.name, f"is missing: the line has only {len(row)} values")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TextIO
 
 from hotlap.core.errors import InputError
 
@@ -15,7 +16,7 @@ def create(path: str | Path, text: str) -> None:
     """
     try:
         with Path(path).open("x", encoding="utf-8") as file:
-            file.write(text)
+            _fill(file, text)
     except FileExistsError:
         raise InputError(str(path), "", "exists already and is left as it is") from None
     except (OSError, ValueError) as error:
@@ -31,10 +32,21 @@ def replace(path: str | Path, text: str) -> None:
     path = Path(path)
     try:
         part = path.with_name(path.name + ".part")
-        part.write_text(text, encoding="utf-8")
+        with part.open("w", encoding="utf-8") as file:
+            _fill(file, text)
         part.replace(path)
     except (OSError, ValueError) as error:
         raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+
+
+def _fill(file: TextIO, text: str) -> None:
+    """Write a new file; where the disk is full or the user interrupts, nothing of it stays."""
+    try:
+        file.write(text)
+        file.flush()
+    except BaseException:
+        Path(file.name).unlink(missing_ok=True)
+        raise
 
 
 def cause_of(error: Exception) -> str:
