@@ -22,6 +22,7 @@ def test_a_tracks_figures():
     assert found["gates"].value == "12"
     assert found["height"].value == "-2.0 to 18.0 m"
     assert found["sharpest turn"].remark == "at gate 5"
+    assert findings(load_track("fastfly-n7"))["gates"].remark == "in 3 laps, the last one is the end"
 
 
 def test_points_that_nearly_touch_are_noted():

@@ -26,8 +26,9 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
     names = ["the start", *(point.name for point in track.route)]
     vast = bool(lengths.max() > FAR)
     straight = "in straight lines; gates are in metres" if vast else "in straight lines"
+    end = "and an end beyond the last one" if track.end is not None else "the last one is the end"
     findings = [
-        Finding("gates", str(len(track.counted)), "and an end beyond the last one" if track.end is not None else "the last one is the end"),
+        Finding("gates", str(len(track.counted)), end if track.laps == 1 else f"in {track.laps} laps, {end}"),
         Finding("length", f"{lengths.sum():.0f} m", straight, note_if(vast)),
         _heights(track, points[:, 2]),
         _closest(lengths, names),

@@ -92,7 +92,7 @@ def _speed_over_time(figure: Figure, scene: Scene, full_width: float) -> None:
     axes.set_xlim(0, scene.reference.duration)
     axes.set_ylim(0, 1.3 * float(speeds.max()) + 1e-9)
     draw_bands(axes, scene.segments, full_width - LEFT - 0.3)
-    draw_gate_times(axes, scene.reference.gate_times, full_width - LEFT - 0.3)
+    draw_gate_times(axes, scene, full_width - LEFT - 0.3)
     axes.plot(scene.reference.times[: len(speeds)], speeds, color="#333333")
     axes.set_xlabel("time [s]")
     axes.set_ylabel("speed [m/s]")
