@@ -11,10 +11,11 @@ from rich.text import Text
 
 from hotlap.api.tuned import TuningResult
 from hotlap.api.tuning import tune
-from hotlap.api.wording import count, percent, seconds, share
+from hotlap.api.wording import percent, seconds, share
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
+from hotlap.core.counts import count
 from hotlap.core.errors import InputError
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.goal_forms import LAP_TIME

@@ -8,6 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from hotlap.analysis.sensitivity import survey_sensitivity
+from hotlap.core.counts import count
 from hotlap.core.errors import InputError
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.reference.scenario import Scenario
@@ -159,7 +160,7 @@ def _verdict(snapshot: Snapshot) -> str:
     result = snapshot.result
     if result is None:
         return "no flights yet"
-    parts = [f"goal {result.goal}", f"{result.search_flights} search flights, {result.flights} with re-flights"]
+    parts = [f"goal {result.goal}", f"{count(result.search_flights, 'search flight')}, {result.flights} with re-flights"]
     parts.append("confirmed" if result.best.confirmed else "not confirmed")
     if result.validation is not None:
         low, high = result.validation.interval
