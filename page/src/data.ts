@@ -104,6 +104,8 @@ export interface Scenario {
   /** Least and largest coordinates of the plan with what stands on the track; null where there are bare points alone. */
   readonly bounds: readonly [readonly number[], readonly number[]] | null;
   readonly gates: Table;
+  /** By which they are called, from 1 in each lap. */
+  readonly gate_numbers: readonly number[];
   readonly gate_times: Table;
   readonly gate_segments: readonly number[];
   readonly pieces: readonly Piece[];

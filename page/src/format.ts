@@ -35,15 +35,15 @@ export function count(number: number, noun: string): string {
   return `${number} ${noun}${number === 1 ? "" : "s"}`;
 }
 
-/** Numbers counted from 1, runs shortened: "1, 4–6". */
-export function runs(indices: readonly number[], most = 4): string {
+/** Numbers, each once, runs shortened: "1, 4–6". */
+export function runs(numbers: readonly number[], most = 4): string {
   const parts: [number, number][] = [];
-  for (const index of [...indices].sort((a, b) => a - b)) {
+  for (const number of [...new Set(numbers)].sort((a, b) => a - b)) {
     const last = parts[parts.length - 1];
-    if (last && last[1] === index - 1) last[1] = index;
-    else parts.push([index, index]);
+    if (last && last[1] === number - 1) last[1] = number;
+    else parts.push([number, number]);
   }
-  const texts = parts.map(([a, b]) => (a === b ? `${a + 1}` : b === a + 1 ? `${a + 1}, ${b + 1}` : `${a + 1}–${b + 1}`));
+  const texts = parts.map(([a, b]) => (a === b ? `${a}` : b === a + 1 ? `${a}, ${b}` : `${a}–${b}`));
   return texts.slice(0, most).join(", ") + (texts.length > most ? "…" : "");
 }
 

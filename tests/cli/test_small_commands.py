@@ -63,6 +63,12 @@ def test_check_flies_as_often_as_it_is_asked_to(hotlap):
     assert set(found) - labels >= {"default weights", "mean error", "difficulty"}
 
 
+@pytest.mark.usefixtures("faked")
+def test_the_next_command_asks_for_what_was_checked(hotlap):
+    ran = hotlap("check", "straight.toml", "--controller", "geometric", "--segments", "none", "--flights", "0")
+    assert ran.out.endswith("hotlap tune straight.toml --segments none --controller geometric\n")
+
+
 @pytest.mark.parametrize("option", ["--reference", "--controller"])
 def test_what_only_a_race_has_is_refused_for_a_track(hotlap, option):
     ran = hotlap("check", "circle", option, {"--reference": "straight.toml", "--controller": "mpc"}[option])

@@ -107,6 +107,8 @@ def test_after_a_failure_with_a_reference_the_advice_is_about_that_reference(hot
     document = hotlap(*HARD, "--out", "mine", "--reference", "fast.csv", "--validation", "0", "--json").document
     assert "no tuner will help" in document["advice"][0]
     assert document["notes"][0] == "fast.csv: velocities follow from the positions"
+    cut = hotlap(*HARD, "--out", "cut", "--segments", "none")
+    assert cut.out.endswith("what may be in the way: hotlap check straight.toml --segments none\n")
     plain = hotlap(*HARD, "--out", "plain")
     assert "no tuner will help" not in plain.out
     assert plain.out.endswith("what may be in the way: hotlap check straight.toml\n")

@@ -82,10 +82,10 @@ def test_what_no_weights_make_up_for_is_said():
     gentle = reference.rates[0] * 0
     assert advice(race, replace(reference, rates=np.vstack([gentle, reference.rates[1:]]))) == ()
     weak = race.vehicle.model_copy(update={"rotor_thrust": (0.0, 0.7 * race.vehicle.rotor_thrust[1])})
-    assert any(
-        "of the vehicle's thrust: no tuner will help" in said for said in advice(race.model_copy(update={"vehicle": weak}), reference)
-    )
     tight = race.controller.model_copy(update={"rates": (1.0, 100.0, 100.0), "thrust": (0.1, 12.0)})
+    said = advice(race.model_copy(update={"vehicle": weak, "controller": tight}), reference)
+    assert any("of the vehicle's thrust: no tuner will help" in line for line in said)
+    assert not any("controller.thrust" in line for line in said), "the vehicle has no more to give"
     said = advice(race.model_copy(update={"controller": tight}), reference)
     assert any(line.startswith("it asks for a roll rate of up to ") and line.endswith("which allow 1") for line in said)
     assert not any("pitch rate" in line for line in said)

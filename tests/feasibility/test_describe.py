@@ -3,6 +3,7 @@ import pytest
 from hotlap.feasibility import Level, describe
 from hotlap.feasibility.race import beyond, thrust_share, unknown_latency
 from hotlap.files.descriptions import load_quadrotor, load_race, load_track
+from hotlap.race.track import Track
 
 
 def findings(description, **options):
@@ -21,12 +22,35 @@ def test_a_tracks_figures():
     assert found["gates"].value == "12"
     assert found["height"].value == "-2.0 to 18.0 m"
     assert found["sharpest turn"].remark == "at gate 5"
+    assert findings(load_track("fastfly-n7"))["gates"].remark == "in 3 laps, the last one is the end"
 
 
 def test_points_that_nearly_touch_are_noted():
     track = load_track("circle")
     assert findings(track)["closest points"].level is Level.FACT
     assert findings(track.model_copy(update={"start": (0.0, -1.9, -2.02)}))["closest points"].level is Level.NOTE
+
+
+def test_a_start_a_point_or_a_ball_within_an_obstacle_is_a_warning():
+    poles = [{"position": position, "radius": 0.3} for position in ((0.1, 0.0), (5.0, 0.1), (9.0, 0.0))]
+    gates = [{"position": (5.0, 0.0, 1.0)}, {"position": (9.0, 0.0, 1.0), "radius": 0.2}, {"position": (9.0, 5.0, 1.0), "radius": 0.2}]
+    track = {"name": "yard", "start": (0.0, 0.0, 1.0), "gates": gates, "laps": 2, "poles": poles}
+    found = [finding for finding in describe(Track.model_validate(track)) if finding.level is Level.WARNING]
+    assert [(one.value, one.remark.partition(":")[0]) for one in found] == [
+        ("the start", "within pole 1"),
+        ("gate 1", "within pole 2"),
+        ("gate 2", "within pole 3"),
+    ]
+    beside = [{**pole, "position": (pole["position"][0], 0.35)} for pole in poles]
+    assert not any(finding.level is Level.WARNING for finding in describe(Track.model_validate({**track, "poles": beside})))
+
+
+def test_a_start_within_the_frame_of_a_gate_is_a_warning_and_an_opening_with_a_pole_in_it_is_none():
+    gate = {"position": (5.0, 0.0, 1.0), "yaw": 0.0, "side": 2.0, "frame": 0.3, "depth": 0.1}
+    track = {"name": "yard", "start": (5.0, 1.1, 1.0), "gates": [gate], "poles": [{"position": (5.0, 0.0), "radius": 0.1}]}
+    (found,) = (finding for finding in describe(Track.model_validate(track)) if finding.level is Level.WARNING)
+    assert (found.label, found.value) == ("inside an obstacle", "the start")
+    assert found.remark.startswith("within the frame of gate 1")
 
 
 def test_a_quadrotors_figures():

@@ -39,4 +39,10 @@ def test_gates_of_laps_are_named_with_their_lap():
     track = RACE.track.model_copy(update={"laps": 2})
     race = RACE.model_copy(update={"track": track})
     assert in_words(race, End.MISSED, 6) == "missed gate 2 of lap 2"
-    assert in_words(race, End.CRASHED, 6, Cause.FRAME, 1) == "touched the frame of gate 2 before gate 2 of lap 2"
+    assert in_words(race, End.CRASHED, 6, Cause.FRAME, 1) == "touched the frame of gate 2 of lap 2"
+    assert in_words(race, End.CRASHED, 6, Cause.FRAME, 2) == "touched the frame of gate 3 before gate 2 of lap 2"
+
+
+def test_a_track_of_one_gate_has_no_gates():
+    race = RACE.model_copy(update={"track": RACE.track.model_copy(update={"gates": RACE.track.gates[:1]})})
+    assert in_words(race, End.FINISHED, 1) == "the only gate"

@@ -96,6 +96,7 @@ class TestRoute:
         made = track(gates=gates, laps=laps, closed=closed, end=[0.0, 5.0, 0.0] if ended else None)
         assert len(made.route) == len(made.waypoints) == laps * len(gates) + closed + ended
         assert len(made.counted) == len(made.gate_positions) == laps * sum(counts) + (closed and counts[0])
+        assert list(made.gate_numbers) == [int(point.name.split()[1]) for point in made.route if point.counts]
         assert len({point.name for point in made.route}) == len(made.route)
 
     def test_laps_are_the_same_as_gates_written_out(self):

@@ -11,10 +11,11 @@ from hotlap.report.labels import Placer, group, number
 
 
 @pytest.mark.parametrize(
-    ("members", "text"), [([0], "1"), ([0, 1], "1, 2"), ([2, 3, 4, 5], "3–6"), ([0, 3, 4, 5], "1, 4–6"), ([0, 2, 4, 6], "1, 3, 5…")]
+    ("gates", "text"),
+    [([1], "1"), ([1, 2], "1, 2"), ([3, 4, 5, 6], "3–6"), ([1, 4, 5, 6], "1, 4–6"), ([1, 3, 5, 7], "1, 3, 5…"), ([2, 1, 2], "1, 2")],
 )
-def test_numbers_count_from_one_and_join(members, text):
-    assert number(members) == text
+def test_numbers_are_given_once_and_join(gates, text):
+    assert number(gates) == text
 
 
 @given(st.lists(st.tuples(st.floats(0.5, 5.5), st.floats(0.5, 3.5)), min_size=1, max_size=8))

@@ -7,7 +7,45 @@ import resource
 import pytest
 
 from hotlap.core.errors import InputError
-from hotlap.system.text_files import create, replace
+from hotlap.system.text_files import create, replace, written_whole
+
+UNWRITABLE = "begun" + "\ud800"  # no UTF-8: fails when the file is open, as on a full disk
+
+
+@pytest.mark.parametrize("write", [create, replace])
+def test_what_cannot_be_written_leaves_nothing_behind(tmp_path, write):
+    with pytest.raises(InputError, match=r"new\.toml: cannot be written"):
+        write(tmp_path / "new.toml", UNWRITABLE)
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_cannot_be_written_leaves_an_older_file_as_it_is(tmp_path):
+    path = tmp_path / "old.toml"
+    path.write_text("old")
+    for write in (create, replace):
+        with pytest.raises(InputError):
+            write(path, UNWRITABLE)
+        assert [file.name for file in tmp_path.iterdir()] == ["old.toml"]
+        assert path.read_text() == "old"
+
+
+def write_half(path):
+    with written_whole(path) as part:
+        part.write_text("begun")
+        raise KeyboardInterrupt
+
+
+def test_a_file_that_an_interruption_ends_leaves_nothing_behind(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        write_half(tmp_path / "film.gif")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_is_a_file_is_refused_in_one_line(tmp_path):
+    (tmp_path / "file").write_text("")
+    for write in (create, replace):
+        with pytest.raises(InputError, match="Not a directory"):
+            write(tmp_path / "file" / "new.toml", "text")
 
 
 @pytest.fixture

@@ -65,7 +65,7 @@ export class Gates {
   }
 
   private number(members: readonly number[], palette: Palette): void {
-    const sprite = label(runs(members, 3), palette.ink, palette.face);
+    const sprite = label(runs(members.map((gate) => this.scenario.gate_numbers[gate]), 3), palette.ink, palette.face);
     sprite.position.fromArray(row(this.scenario.gates, members[0]));
     const opening = this.openings.find(({ shape }) => shape.gates.includes(members[0]));
     sprite.position.z = opening?.above ?? sprite.position.z + this.scenario.gate_distance * 1.05;

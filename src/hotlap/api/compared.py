@@ -16,7 +16,8 @@ from hotlap.api.inputs import as_path, check_source, one_of
 from hotlap.api.outcome import Outcome
 from hotlap.api.rates import Flown
 from hotlap.api.scenarios import load, make_ready, make_scenario
-from hotlap.api.wording import count, percent
+from hotlap.api.wording import percent
+from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
 from hotlap.first_guess.names import NAMES
 from hotlap.race.race import Race

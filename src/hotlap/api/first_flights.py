@@ -10,7 +10,8 @@ import numpy as np
 from hotlap.api.flown import FlightsResult
 from hotlap.api.progress import Quiet
 from hotlap.api.scenarios import read_guess
-from hotlap.api.wording import count, percent
+from hotlap.api.wording import percent
+from hotlap.core.counts import count
 from hotlap.core.errors import PlanningError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import End

@@ -15,7 +15,8 @@ from hotlap.api.asked import Asked
 from hotlap.api.inputs import as_path, check_range, check_source, check_target
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, read_guess, read_parameters
-from hotlap.api.wording import count, percent, share
+from hotlap.api.wording import percent, share
+from hotlap.core.counts import count
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Cause, End, Flights, Log, Scores
 from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds

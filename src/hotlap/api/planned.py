@@ -11,6 +11,7 @@ from hotlap.api.inputs import as_path, check_source, check_target
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import load, make_scenario
 from hotlap.api.wording import seconds
+from hotlap.core.counts import count
 from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
 from hotlap.reference_files.csv import save_reference
@@ -45,9 +46,9 @@ class PlannedReference(Outcome):
         """Duration, speeds, segments and files."""
         reference, segments = self.reference, self.scenario.segments
         return {
-            "race": f"{self.scenario.race.name}: {len(reference.gate_times)} gates in {seconds(reference.lap_time)}",
+            "race": f"{self.scenario.race.name}: {count(len(reference.gate_times), 'gate')} in {seconds(reference.lap_time)}",
             "top speed": f"top speed {reference.speeds.max():.1f} m/s",
-            "segments": f"{len(segments)} segments",
+            "segments": count(len(segments), "segment"),
             "csv": str(self.csv or ""),
             "picture": str(self.picture or ""),
         }

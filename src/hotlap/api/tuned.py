@@ -17,6 +17,7 @@ from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario, read_guess
 from hotlap.api.wording import percent, seconds, share
+from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream
@@ -97,10 +98,10 @@ class TuningResult(Outcome):
         """How it ended, in a few words."""
         result = self.result
         if result.goal == Quantity.NONE:
-            return f"budget of {result.flights} flights spent, no goal was set"
+            return f"budget of {count(result.flights, 'flight')} spent, no goal was set"
         if self.confirmed:
             return f"{result.goal} confirmed"
-        return f"{result.goal} NOT confirmed in {result.flights} flights; the best so far is kept"
+        return f"{result.goal} NOT confirmed in {count(result.flights, 'flight')}; the best so far is kept"
 
     def facts(self) -> dict[str, str]:
         """Verdict, flights, lap time, validation and paths."""
@@ -208,7 +209,7 @@ def _tune(study: Study, world: World, asked: Asked) -> Result:
     make_ready(world, configuration.scenario, asked.progress)
     before = study.result
     if before is not None:
-        asked.progress.note(f"{study.folder}: going on after {before.flights} flights")
+        asked.progress.note(f"{study.folder}: going on after {count(before.flights, 'flight')}")
     elif isinstance(world, BuiltIn):  # where flights cost nothing
         doom = say_doom(configuration.scenario, world, configuration.first_guess)
         if doom:

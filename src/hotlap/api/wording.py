@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from hotlap.core.counts import count
 from hotlap.core.success_rate import Validation
 
 
@@ -15,11 +16,6 @@ def percent(share: float) -> str:
 def seconds(value: float, digits: int = 2) -> str:
     """A time, or a dash where there is none."""
     return f"{value:.{digits}f} s" if math.isfinite(value) else "-"
-
-
-def count(number: int, noun: str) -> str:
-    """A number of things: 1 flight, 2 flights."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def share(validation: Validation) -> str:

@@ -8,8 +8,10 @@ from argparse import Namespace
 
 from rich.text import Text
 
+from hotlap.api.asked import command_line
 from hotlap.api.checked import CheckedFile
 from hotlap.api.checking import check
+from hotlap.api.tuning import tune
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import present, table
 from hotlap.cli.progress import TERMINAL
@@ -48,12 +50,11 @@ def _picture(checked: CheckedFile) -> list[str]:
 
 def _next(checked: CheckedFile, options: Namespace) -> str:
     """The command that one would give now."""
-    name, kind = shlex.quote(options.file), checked.kind
-    if kind is Kind.RACE:
-        reference = "" if options.reference is None else f" --reference {shlex.quote(str(options.reference))}"
-        command = f"hotlap tune {name}{reference}"
+    if checked.kind is Kind.RACE:
+        same = {name: getattr(options, name) for name in ("reference", "segments", "controller")}
+        command = command_line(tune, {"race": options.file, **same})
     else:
-        command = f"hotlap new race NAME --{ROLES[kind]} {name}"
+        command = f"hotlap new race NAME --{ROLES[checked.kind]} {shlex.quote(options.file)}"
     return f"see to the warnings, then {command}" if checked.warned else command
 
 

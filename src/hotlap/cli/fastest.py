@@ -20,6 +20,7 @@ from hotlap.cli.flying import load, make_kind_ready
 from hotlap.cli.output import facts, note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
+from hotlap.core.counts import count
 from hotlap.core.errors import InputError, PlanningError, StudyError
 from hotlap.core.success_rate import Validation
 from hotlap.core.version import __version__
@@ -92,7 +93,7 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[PlanSettin
         f"{race.name}: {seconds(found['lap'])}, where the race's own plan takes {seconds(before)}",
         *facts(
             {
-                "holds in": f"{validation.successes} of {validation.flights} flights ({100 * low:.0f} to {100 * high:.0f} %)",
+                "holds in": f"{validation.successes} of {count(validation.flights, 'flight')} ({100 * low:.0f} to {100 * high:.0f} %)",
                 "plan": plan_settings.key,
                 "largest speed": f"{scenario.reference.max_speed:.1f} m/s",
                 "race": str(folder / RACE_FILE),

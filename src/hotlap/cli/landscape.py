@@ -15,6 +15,7 @@ from hotlap.api.wording import percent
 from hotlap.cli.flying import load, make_ready, read_guess
 from hotlap.cli.output import facts, note, present, working
 from hotlap.cli.progress import follow_pieces
+from hotlap.core.counts import count
 from hotlap.core.errors import UnknownNameError
 from hotlap.planning.preparation import prepare
 from hotlap.reference.scenario import Scenario
@@ -46,7 +47,7 @@ def run(options: Namespace) -> int:
     held = tuple(read_guess(options.first_guess, scenario)[0].tolist())
     wanted = Landscape(race, options.x, options.y, options.points, options.flights, held)
     make_ready(world, scenario)
-    with follow_pieces(f"rows of {options.points * options.flights} flights", options.points, 0) as say:
+    with follow_pieces(f"rows of {count(options.points * options.flights, 'flight')}", options.points, 0) as say:
         grid = survey(scenario, world, wanted, say)
     middle = dict(zip(names, held, strict=True))
     if options.out is not None:
@@ -80,7 +81,7 @@ def _words(options: Namespace, scenario: Scenario, wanted: Landscape, grid: Floa
         "completion": grid.tolist(),
     }
     lines = [
-        f"{race.name}: completion over {options.x} and {options.y}, {options.flights} flights at each of {grid.size} points",
+        f"{race.name}: completion over {options.x} and {options.y}, {count(options.flights, 'flight')} at each of {grid.size} points",
         *facts(
             {
                 "complete": f"{percent(float((grid == 1).mean()))} of the map",

@@ -13,6 +13,7 @@ from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
+from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
 from hotlap.files.descriptions import load_race
 from hotlap.files.error_messages import check
@@ -41,7 +42,7 @@ def run(options: Namespace) -> int:
     held = sum(race.tuned is not None for race in training.races)
     document = {"file": str(path), "races": len(training.races), "tuned": held, "candidates": len(training.candidates)}
     lines = [
-        f"{len(training.races)} races, {held} of them tuned, {len(training.candidates)} parameters flown in each",
+        f"{count(len(training.races), 'race')}, {held} of them tuned, {len(training.candidates)} parameters flown in each",
         f"written to {path}; begin with it: hotlap tune RACE --first-guess {path}",
     ]
     present(as_json=options.json, document=document, lines=lines)

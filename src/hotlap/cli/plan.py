@@ -15,6 +15,7 @@ from hotlap.api.wording import seconds
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, facts, present, table
 from hotlap.cli.progress import TERMINAL
+from hotlap.core.counts import count
 from hotlap.reference.scenario import Scenario
 from hotlap.report.map import draw_map
 from hotlap.report.structures import structures_of
@@ -32,7 +33,7 @@ def run(options: Namespace) -> int:
 def _lines(planned: PlannedReference) -> Iterator[Line]:
     """For people: figures, segments, a map, and what was written where."""
     scenario, reference = planned.scenario, planned.reference
-    yield f"{scenario.race.name}: {len(reference.gate_times)} gates in {seconds(reference.lap_time)}"
+    yield f"{scenario.race.name}: {count(len(reference.gate_times), 'gate')} in {seconds(reference.lap_time)}"
     yield from facts(
         {
             "duration": seconds(reference.duration),
@@ -52,8 +53,8 @@ def _cells(scenario: Scenario) -> list[tuple[str, ...]]:
     segments = scenario.segments
     gates = np.bincount(segments.piece_at(scenario.reference.gate_times), minlength=len(segments.classes)).tolist()
     cells = [("segment", "start", "end", "gates", "no.")]
-    for piece, count in zip(segments.pieces, gates, strict=True):
-        cells.append((str(piece.kind), f"{piece.start:.2f}", f"{piece.end:.2f}", str(count), str(piece.segment + 1)))
+    for piece, passed in zip(segments.pieces, gates, strict=True):
+        cells.append((str(piece.kind), f"{piece.start:.2f}", f"{piece.end:.2f}", str(passed), str(piece.segment + 1)))
     return cells if segments.owners else [row[:-1] for row in cells]
 
 

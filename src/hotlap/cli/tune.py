@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import shlex
 from argparse import Namespace
 from collections.abc import Iterator
-from pathlib import Path
 
 from rich.text import Text
 
+from hotlap.api.asked import command_line
+from hotlap.api.checking import check
 from hotlap.api.tuned import TuningResult
 from hotlap.api.tuning import tune
-from hotlap.api.wording import count, percent, seconds, share
+from hotlap.api.wording import percent, seconds, share
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
+from hotlap.core.counts import count
 from hotlap.core.errors import InputError
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.goal_forms import LAP_TIME
@@ -32,17 +33,21 @@ def run(options: Namespace) -> int:
         if error.key != "goal" or error.source:
             raise
         raise InputError("", error.key, f"{error.reason}; {LAP_TIME} looks for the fastest plan") from None
-    present(as_json=options.json, document=tuned.to_dict(), lines=summarise(tuned, options.race, options.reference))
+    present(as_json=options.json, document=tuned.to_dict(), lines=summarise(tuned, _check(options)))
     return 0 if tuned.confirmed or tuned.result.goal == Quantity.NONE else 1
 
 
-def summarise(tuned: TuningResult, race: str, reference: Path | None = None) -> Iterator[Line]:
+def _check(options: Namespace) -> str:
+    """The command that says what may be in the way of what was tuned."""
+    return command_line(check, {"file": options.race, **{name: getattr(options, name) for name in ("reference", "segments", "controller")}})
+
+
+def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     """How a tuning ended, what is where, and how to fly it again.
 
     Args:
         tuned: how it ended.
-        race: as it was asked for.
-        reference: the file that was flown; None: the plan.
+        further: the command that says what may be in the way.
     """
     result, no_goal = tuned.result, tuned.result.goal == Quantity.NONE
     style = "bold" if no_goal else "bold green" if tuned.confirmed else "bold red"
@@ -67,5 +72,4 @@ def summarise(tuned: TuningResult, race: str, reference: Path | None = None) -> 
     yield f"fly it again: {tuned.again}"
     if not tuned.confirmed and not no_goal:
         yield from tuned.advice
-        given = [] if reference is None else ["--reference", str(reference)]
-        yield f"what may be in the way: {shlex.join(['hotlap', 'check', race, *given])}"
+        yield f"what may be in the way: {further}"

@@ -13,6 +13,7 @@ from hotlap.core.ledger import Ledger
 from hotlap.core.seeds import Stream
 from hotlap.core.version import __version__
 from hotlap.study.study import Study
+from hotlap.system.text_files import written_whole
 
 if TYPE_CHECKING:
     from optuna.storages import RDBStorage
@@ -31,17 +32,16 @@ def write(study: Study, path: Path) -> tuple[Path, ...]:
         import optuna  # noqa: PLC0415  an extra, and slow to load
     except ImportError:
         raise InputError("", "format", MISSING) from None
-    part = path.with_name(path.name + ".part")
     try:
-        part.unlink(missing_ok=True)
-        with _storage(part) as storage:
-            made = optuna.create_study(storage=storage, study_name=_name(study), direction="minimize")
-            for key, value in _remarks(study).items():
-                made.set_user_attr(key, value)
-            made.add_trials(trials(study))
-        part.replace(path)
-    except (OSError, optuna.exceptions.StorageInternalError) as error:
-        raise InputError(str(path), "", f"cannot be written: {getattr(error, 'strerror', None) or error}") from None
+        with written_whole(path) as part:
+            part.unlink(missing_ok=True)
+            with _storage(part) as storage:
+                made = optuna.create_study(storage=storage, study_name=_name(study), direction="minimize")
+                for key, value in _remarks(study).items():
+                    made.set_user_attr(key, value)
+                made.add_trials(trials(study))
+    except optuna.exceptions.StorageInternalError as error:
+        raise InputError(str(path), "", f"cannot be written: {error}") from None
     return (path,)
 
 

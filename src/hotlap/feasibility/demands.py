@@ -104,11 +104,11 @@ def advice(race: Race, reference: Reference) -> tuple[str, ...]:
         reference: planned or read.
     """
     asked, found = demands(race, reference), list[str]()
+    thrust, limit = float(reference.thrust[: reference.planned_rows].max()), race.controller.thrust[1]
     if asked.exhausting:
         share = max(asked.thrust_share, asked.rotor_share)
         found.append(f"this reference asks for {share:.0%} of the vehicle's thrust: no tuner will help; fly it slower")
-    thrust, limit = float(reference.thrust[: reference.planned_rows].max()), race.controller.thrust[1]
-    if thrust > limit:
+    elif thrust > limit:  # what the vehicle has not got, no setting gives it
         found.append(f"it asks for a thrust of up to {thrust:.1f} m/s^2; raise controller.thrust, which allows {limit:g}")
     for axis, rate, most in zip(("roll", "pitch", "yaw"), asked.rates.tolist(), race.controller.rates, strict=True):
         if rate > 1.001 * most:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.counts import count
 from hotlap.feasibility.demands import Demands, advice, demands
 from hotlap.feasibility.finding import Finding, Level, note_if, warning_if
 from hotlap.feasibility.race import thrust_share
@@ -137,7 +138,7 @@ def _directions(race: Race, reference: Reference) -> list[Finding]:
     ignored = race.judge.rule is not GateRule.OPENING
     counted = f'; the rule "{race.judge.rule}" counts it, "opening" would not' if ignored else ""
     return [
-        Finding(f"passed {how}", _count(some), f"{', '.join(some)}{counted}", Level.NOTE)
+        Finding(f"passed {how}", count(len(some), "gate"), f"{', '.join(some)}{counted}", Level.NOTE)
         for how, some in (("backwards", backwards), ("sideways", sideways))
         if some
     ]
@@ -152,8 +153,3 @@ def _touched(race: Race, reference: Reference) -> list[Finding]:
         for one in met
         if one.kind is not EncounterKind.FLOOR  # a reference may begin a little below it
     ]
-
-
-def _count(names: list[str]) -> str:
-    """How many: 1 gate, 2 gates."""
-    return f"{len(names)} gate{'s' if len(names) > 1 else ''}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hotlap.core.counts import count
 from hotlap.feasibility.finding import Finding, Level, warning_if
 from hotlap.feasibility.quadrotor import lag
 from hotlap.race.flight_performance import command_lag, rough_top_speed, steady_share
@@ -27,7 +28,7 @@ def describe_race(race: Race, top_speed: float | None = None, *, planned: bool =
     speed = rough_top_speed(race) if top_speed is None else top_speed
     vehicle = race.vehicle
     return (
-        Finding("track", race.track.name, f"{len(race.track.counted)} gates"),
+        Finding("track", race.track.name, count(len(race.track.counted), "gate")),
         Finding("vehicle", vehicle.name, f"thrust-to-weight {vehicle.thrust_to_weight:.2f}"),
         *(_plan(race, speed, about=top_speed is None) if planned else ()),
         Finding("judged by", race.judge.rule, _rule(race)),

@@ -1,17 +1,21 @@
-"""What a track means: its length, its spacing and its turns."""
+"""What a track means: its length, its spacing and its turns, and what of it lies within an obstacle."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.feasibility.finding import Finding, note_if
+from hotlap.feasibility.finding import Finding, Level, note_if
+from hotlap.race.gate_plane import plane_of
+from hotlap.race.solids import solids_of
 from hotlap.race.track import Track
 
 FAR = 300.0  # m, between two gates of no race: centimetres perhaps
 NEAR = 0.05  # m, likewise: degrees perhaps
+ANY = 1.0  # m, radius of gates with an orientation alone, which have no frame to lie within
 
 
 def describe_track(track: Track) -> tuple[Finding, ...]:
@@ -22,8 +26,9 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
     names = ["the start", *(point.name for point in track.route)]
     vast = bool(lengths.max() > FAR)
     straight = "in straight lines; gates are in metres" if vast else "in straight lines"
+    end = "and an end beyond the last one" if track.end is not None else "the last one is the end"
     findings = [
-        Finding("gates", str(len(track.counted)), "and an end beyond the last one" if track.end is not None else "the last one is the end"),
+        Finding("gates", str(len(track.counted)), end if track.laps == 1 else f"in {track.laps} laps, {end}"),
         Finding("length", f"{lengths.sum():.0f} m", straight, note_if(vast)),
         _heights(track, points[:, 2]),
         _closest(lengths, names),
@@ -33,7 +38,17 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
         sharp = int(cosines.argmin())
         angle = math.degrees(math.acos(float(np.clip(cosines[sharp], -1, 1))))
         findings.append(Finding("sharpest turn", f"{angle:.0f} deg", f"at {names[sharp + 1]}"))
-    return tuple(findings)
+    return (*findings, *_buried(track))
+
+
+def _buried(track: Track) -> Iterator[Finding]:
+    """Start, points and balls that lie within an obstacle or a frame; openings may be free beside what stands in them."""
+    route = {point.key: point for point in reversed(track.route) if plane_of(point.gate, ANY) is None}
+    points = ((point.name.removesuffix(" of lap 1"), point.gate.position, point.gate.radius or 0.0) for point in reversed(route.values()))
+    for name, position, radius in (("the start", track.start, 0.0), *points):
+        for solid in solids_of(track, ANY):
+            if float(solid.measure(np.array([position]))[0][0]) + radius < 0:
+                yield Finding("inside an obstacle", name, f"within {solid.name}: no vehicle gets there", Level.WARNING)
 
 
 def _heights(track: Track, heights: NDArray[np.float64]) -> Finding:

@@ -17,15 +17,16 @@ def in_words(race: Race, end: End, gates_passed: int, cause: Cause = Cause.NONE,
         cause: why it crashed; NONE where that is not known.
         index: of what was touched, in the track; -1 where nothing was.
     """
-    names = [point.name for point in race.track.route if point.counts]
-    if gates_passed >= len(names):
-        return f"all {len(names)} gates"
+    gates = [point for point in race.track.route if point.counts]
+    if gates_passed >= len(gates):
+        return f"all {len(gates)} gates" if len(gates) > 1 else "the only gate"
+    ahead = gates[gates_passed]
     if end is not End.CRASHED:
-        return f"missed {names[gates_passed]}"
-    before = f"before {names[gates_passed]}"
+        return f"missed {ahead.name}"
+    before = f"before {ahead.name}"
     if cause is Cause.FRAME:
-        touched = _name_of_gate(race.track, index)
-        return f"touched the frame of {touched}" + ("" if touched == names[gates_passed] else f" {before}")
+        its_own = ahead.key == f"gates[{index}]"
+        return f"touched the frame of {ahead.name}" if its_own else f"touched the frame of {_name_of_gate(race.track, index)} {before}"
     if cause in _DEEDS:
         return f"{_DEEDS[cause]} {before}"
     if cause in _OBSTACLES:

@@ -148,6 +148,12 @@ class Track(Described):
         return tuple(point.gate for point in self.route if point.counts)
 
     @property
+    def gate_numbers(self) -> tuple[int, ...]:
+        """By which they are called, from 1 in each lap, in the order flown."""
+        of_lap = sum(gate.counts for gate in self.gates)
+        return tuple(k % of_lap + 1 for k in range(len(self.counted)))
+
+    @property
     def gate_positions(self) -> NDArray[np.float64]:
         """Of the gates that a flight has to pass, in the order flown, shape (gates, 3) [m] (world)."""
         return np.array([gate.position for gate in self.counted])

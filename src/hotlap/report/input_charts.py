@@ -55,7 +55,7 @@ def inputs(scene: Scene, scenario: Scenario) -> Figure:
         _draw(axes, row, flight, scene)
         if i == 0:
             axes.set_ylim(top=row.limits[1] + HEADROOM * (row.limits[1] - row.limits[0]))
-            draw_gate_times(axes, scene.reference.gate_times, WIDTH)
+            draw_gate_times(axes, scene, WIDTH)
             draw_bands(axes, scene.segments, WIDTH)
         last = i == len(rows) - 1
         axes.tick_params(labelbottom=last)

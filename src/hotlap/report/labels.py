@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -76,13 +76,13 @@ def group(points: Floats, reach: float) -> list[tuple[Floats, list[int]]]:
     return groups
 
 
-def number(members: Sequence[int], most: int = 3) -> str:
-    """Gate numbers as a text, counted from 1, consecutive numbers joined: "1, 4-6"; after `most` parts, dots."""
+def number(gates: Iterable[int], most: int = 3) -> str:
+    """Gate numbers as a text, each once, consecutive numbers joined: "1, 4-6"; after `most` parts, dots."""
     parts: list[list[int]] = []
-    for i in members:
+    for i in sorted(set(gates)):
         if parts and parts[-1][1] == i - 1:
             parts[-1][1] = i
         else:
             parts.append([i, i])
-    texts = [str(a + 1) if a == b else f"{a + 1}{', ' if b == a + 1 else '–'}{b + 1}" for a, b in parts]
+    texts = [str(a) if a == b else f"{a}{', ' if b == a + 1 else '–'}{b}" for a, b in parts]
     return ", ".join(texts[:most]) + ("…" if len(texts) > most else "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -107,6 +108,7 @@ def _draw_views(
     low, high = box_of(np.vstack([path, gate_positions]))
     if structures is not None:
         low, high = structures.surround(low, high)
+    numbers = range(1, len(gate_positions) + 1) if structures is None else [gate.number for gate in structures.gates]
     layout = _arrange(low, high, width, max(height, 8))
     views = []
     for view, rows in zip(layout.views, layout.rows, strict=True):
@@ -115,7 +117,7 @@ def _draw_views(
         if structures is not None and not structures.plain:
             marks = draw_structures(canvas, structures, view, partial(layout.places, view=view, rows=rows), 1 / layout.scale)
         canvas.draw(*dense(layout.dots(path, view, rows), kinds))
-        _write_gates(canvas, layout.dots(path[:1], view, rows)[0], layout.dots(gate_positions, view, rows), marks)
+        _write_gates(canvas, layout.dots(path[:1], view, rows)[0], layout.dots(gate_positions, view, rows), marks, numbers)
         views.append([view.title(high - low)[: layout.columns], *canvas.lines(segments, colour=colour)])
     return _beside(views[0], views[1], layout.columns) if layout.beside else [*views[0], *views[1]]
 
@@ -143,7 +145,7 @@ def _beside(left: list[str], right: list[str], columns: int) -> list[str]:
     return [a + " " * gap + b for a, gap, b in zip(left, widths, right, strict=True)]
 
 
-def _write_gates(canvas: Canvas, start: Floats, gates: Floats, marks: NDArray[np.str_]) -> None:
+def _write_gates(canvas: Canvas, start: Floats, gates: Floats, marks: NDArray[np.str_], numbers: Sequence[int]) -> None:
     """Mark the start and the gates, with the numbers of the gates where there is room; gates in one cell that differ get a plain mark."""
     cells = np.floor(gates / (2, 4))
     groups = group(cells, 0.5)
@@ -152,7 +154,7 @@ def _write_gates(canvas: Canvas, start: Floats, gates: Floats, marks: NDArray[np
         canvas.write(int(cell[0]), int(cell[1]), mark if (marks[members] == mark).all() else GATE)
     canvas.write(int(start[0] // 2), int(start[1] // 4), START)
     for cell, members in groups:
-        text, (column, row) = number(members, most=2), cell.astype(int).tolist()
+        text, (column, row) = number((numbers[member] for member in members), most=2), cell.astype(int).tolist()
         left, right, middle = column - len(text), column + 1, column - len(text) // 2
         places = [(right, row), (middle, row - 1), (middle, row + 1), (left, row)]
         places += [(side, row + step) for step in (-1, 1) for side in (right, left)]

@@ -8,6 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from hotlap.analysis.sensitivity import survey_sensitivity
+from hotlap.core.counts import count
 from hotlap.core.errors import InputError
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.reference.scenario import Scenario
@@ -19,6 +20,7 @@ from hotlap.report.scene import Scene, stage
 from hotlap.report.style import own_settings
 from hotlap.study.snapshot import Snapshot, read_snapshot
 from hotlap.study.study import Study
+from hotlap.system.text_files import written_whole
 from hotlap.worlds.world import World
 
 FLIGHTS = 8  # of each set of parameters, all with the same noise; the first of each is drawn in full
@@ -146,15 +148,10 @@ def save(path: Path, figure: Figure) -> Path:
     Raises:
         InputError: when it cannot be written.
     """
-    kind, part = check_format(path), path.with_name(path.name + ".part")
+    kind = check_format(path)
     metadata = {"png": {"Software": "hotlap"}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[kind]
-    try:
-        with own_settings():
-            figure.savefig(part, format=kind, metadata=metadata)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise InputError(str(path), "", f"cannot be written: {error.strerror or error}") from None
+    with written_whole(path) as part, own_settings():
+        figure.savefig(part, format=kind, metadata=metadata)
     return path
 
 
@@ -163,7 +160,7 @@ def _verdict(snapshot: Snapshot) -> str:
     result = snapshot.result
     if result is None:
         return "no flights yet"
-    parts = [f"goal {result.goal}", f"{result.search_flights} search flights, {result.flights} with re-flights"]
+    parts = [f"goal {result.goal}", f"{count(result.search_flights, 'search flight')}, {result.flights} with re-flights"]
     parts.append("confirmed" if result.best.confirmed else "not confirmed")
     if result.validation is not None:
         low, high = result.validation.interval

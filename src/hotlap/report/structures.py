@@ -31,12 +31,14 @@ class GateShape:
         plane: its opening with its orientation; None for a point or a ball.
         radius: [m] of the circle that is drawn where there is no plane: the ball's own, or within which a point is passed.
         counts: whether a flight has to pass it.
+        number: by which it is called, from 1 in each lap; 0 for a point that does not count.
     """
 
     gate: Gate
     plane: GatePlane | None
     radius: float
     counts: bool = True
+    number: int = 0
 
     @property
     def centre(self) -> Floats:
@@ -177,7 +179,8 @@ def structures_of(track: Track, distance: float) -> Structures:
         track: with its gates.
         distance: [m] within which a gate without size is passed.
     """
-    gates = tuple(_shape(point, distance) for point in track.route if point.counts)
+    counted = (point for point in track.route if point.counts)
+    gates = tuple(_shape(point, distance, number) for point, number in zip(counted, track.gate_numbers, strict=True))
     others = {point.key: _shape(point, distance) for point in track.route if not point.counts and point.key != "end"}
     obstacles = (*(_standing(pole, track.floor) for pole in track.poles), *track.spheres, *track.boxes)
     found = Structures(gates, tuple(others.values()), obstacles, track.box, None, track.ceiling)
@@ -232,8 +235,8 @@ def arrow_line(ends: Floats) -> Floats:
     return np.stack([tail, tip, tip + back + across, tip, tip + back - across])
 
 
-def _shape(point: Waypoint, distance: float) -> GateShape:
-    return GateShape(point.gate, plane_of(point.gate, distance), point.gate.radius or distance, point.counts)
+def _shape(point: Waypoint, distance: float, number: int = 0) -> GateShape:
+    return GateShape(point.gate, plane_of(point.gate, distance), point.gate.radius or distance, point.counts, number)
 
 
 def _standing(pole: Pole, floor: float | None) -> Pole:

@@ -51,15 +51,15 @@ def draw_bands(axes: Axes, segments: Segments, width: float) -> None:
             )
 
 
-def draw_gate_times(axes: Axes, times: Floats, width: float) -> None:
+def draw_gate_times(axes: Axes, scene: Scene, width: float) -> None:
     """Gates as thin lines, numbered above where there is room."""
     low, high = axes.get_xlim()
     transform, free = axes.get_xaxis_transform(), -np.inf
-    for i, time in enumerate(times):
+    for gate, time in zip(scene.structures.gates, scene.reference.gate_times, strict=True):
         axes.axvline(time, color="#b9b9b9", linewidth=0.6, zorder=1)
-        place, half = (time - low) / (high - low) * width, text_width(str(i + 1), SMALL) / 2 + 0.03
+        place, half = (time - low) / (high - low) * width, text_width(str(gate.number), SMALL) / 2 + 0.03
         if place - half >= free:
-            axes.text(time, 1.01, str(i + 1), transform=transform, fontsize=SMALL, color=QUIET, ha="center", va="bottom")
+            axes.text(time, 1.01, str(gate.number), transform=transform, fontsize=SMALL, color=QUIET, ha="center", va="bottom")
             free = place + half
 
 
@@ -71,7 +71,7 @@ def tracking_error(scene: Scene) -> Figure:
     axes.set_xlim(0, scene.reference.duration)
     axes.set_ylim(0, top)
     draw_bands(axes, scene.segments, WIDTH)
-    draw_gate_times(axes, scene.reference.gate_times, WIDTH)
+    draw_gate_times(axes, scene, WIDTH)
     by_distance = scene.rule is not GateRule.OPENING
     if by_distance:
         _draw_limit(axes, scene.distance)

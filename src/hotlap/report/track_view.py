@@ -9,6 +9,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from hotlap.core.counts import count
 from hotlap.core.success_rate import wilson_interval
 from hotlap.report.labels import Placer
 from hotlap.report.projection import View, scene_views
@@ -92,7 +93,7 @@ def _speed_over_time(figure: Figure, scene: Scene, full_width: float) -> None:
     axes.set_xlim(0, scene.reference.duration)
     axes.set_ylim(0, 1.3 * float(speeds.max()) + 1e-9)
     draw_bands(axes, scene.segments, full_width - LEFT - 0.3)
-    draw_gate_times(axes, scene.reference.gate_times, full_width - LEFT - 0.3)
+    draw_gate_times(axes, scene, full_width - LEFT - 0.3)
     axes.plot(scene.reference.times[: len(speeds)], speeds, color="#333333")
     axes.set_xlabel("time [s]")
     axes.set_ylabel("speed [m/s]")
@@ -109,13 +110,14 @@ def _detail(scene: Scene) -> str:
     reference, speeds = scene.reference, scene.reference.speeds
     if not scene.traces:
         return (
-            f"plan: {reference.duration:.2f} s to the end, {reference.lap_time:.2f} s to the last of {len(scene.gates)} gates, "
+            f"plan: {reference.duration:.2f} s to the end, {reference.lap_time:.2f} s to the last of {count(len(scene.gates), 'gate')}, "
             f"up to {speeds.max():.1f} m/s, {speeds.mean():.1f} m/s on average"
         )
     shares = []
     for repeats in scene.repeats:
         low, high = wilson_interval(repeats.complete, repeats.flights)
-        shares.append(f"{repeats.label}: {repeats.complete} of {repeats.flights} flights complete ({100 * low:.0f} to {100 * high:.0f} %)")
+        rate = f"{repeats.complete} of {count(repeats.flights, 'flight')} complete"
+        shares.append(f"{repeats.label}: {rate} ({100 * low:.0f} to {100 * high:.0f} %)")
     return "; ".join(shares)
 
 

@@ -77,8 +77,9 @@ def write_gates(axes: Axes, view: View, scene: Scene, scale: float, placer: Plac
     """
     start, gates = (view.place(view.project(points), scale) for points in (scene.path[:1], scene.gates))
     groups = group(gates, 0.09)
-    spots = [(start[0], "start"), *((point, number(members)) for point, members in groups)]
-    shapes = [scene.structures.gates[members[0]].larger(LEAST / scale) for _, members in groups]
+    known = scene.structures.gates
+    spots = [(start[0], "start"), *((point, number(known[member].number for member in members)) for point, members in groups)]
+    shapes = [known[members[0]].larger(LEAST / scale) for _, members in groups]
     radii = [0.03, *(shape.reach * scale for shape in shapes)]
     for (point, _), radius in zip(spots[1:], radii[1:], strict=True):
         placer.block(point[None], max(0.05, 0.7 * radius))

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TextIO
 
 from hotlap.core.errors import InputError
 
 
 def create(path: str | Path, text: str) -> None:
-    """Write a new file, never over an existing one.
+    """Write a new file whole or not at all, never over an existing one.
 
     Raises:
         InputError: when there is one already, or it cannot be written.
     """
+    path = Path(path)
     try:
-        with Path(path).open("x", encoding="utf-8") as file:
-            _fill(file, text)
+        file = path.open("x", encoding="utf-8")
+        try:
+            with file:
+                file.write(text)
+        except BaseException:
+            path.unlink(missing_ok=True)
+            raise
     except FileExistsError:
         raise InputError(str(path), "", "exists already and is left as it is") from None
     except (OSError, ValueError) as error:
@@ -29,24 +36,29 @@ def replace(path: str | Path, text: str) -> None:
     Raises:
         InputError: when it cannot be written.
     """
-    path = Path(path)
     try:
-        part = path.with_name(path.name + ".part")
-        with part.open("w", encoding="utf-8") as file:
-            _fill(file, text)
-        part.replace(path)
-    except (OSError, ValueError) as error:
+        with written_whole(Path(path)) as part:
+            part.write_text(text, encoding="utf-8")
+    except ValueError as error:
         raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
 
 
-def _fill(file: TextIO, text: str) -> None:
-    """Write a new file; where the disk is full or the user interrupts, nothing of it stays."""
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """Gives the path of a file to write, which then takes the place of another; where it cannot, nothing of it is left.
+
+    Raises:
+        InputError: when it cannot be written.
+    """
+    part = path.with_name(path.name + ".part")
     try:
-        file.write(text)
-        file.flush()
-    except BaseException:
-        Path(file.name).unlink(missing_ok=True)
-        raise
+        yield part
+        part.replace(path)
+    except OSError as error:
+        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+    finally:
+        with suppress(OSError, ValueError):
+            part.unlink(missing_ok=True)
 
 
 def cause_of(error: Exception) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
+from hotlap.core.counts import count
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.report.film.flight_frames import film_flights
 from hotlap.report.film.frames import Titles, draw_frames
@@ -53,8 +54,8 @@ def write_film(path: Path, snapshot: Snapshot, world: World, progress: Progress 
     interval = pace / RATES[path.suffix.lower()]
     seed = int(flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, 1)[0])
     flights = film_flights(scenario, world, (*before, best), seed, interval)
-    gates = len(scenario.race.track.counted)
-    title = f"{scenario.race.name}: {gates} gates, planned in {scenario.reference.lap_time:.2f} s"
+    gates = count(len(scenario.race.track.counted), "gate")
+    title = f"{scenario.race.name}: {gates}, planned in {scenario.reference.lap_time:.2f} s"
     slow = f"   at {pace:g} times real speed" if pace > 1 else "   real time"
     titles = Titles(title, slow, tuple(_label(flight.label, snapshot) for flight in flights))
     frames = draw_frames(stage(scenario), flights, titles, interval)
@@ -81,5 +82,4 @@ def _label(label: str, snapshot: Snapshot) -> str:
         label = DEFAULT
     if label != BEST or result is None:
         return NAMES.get(label, label)
-    count = "1 flight" if result.search_flights == 1 else f"{result.search_flights} flights"
-    return f"after: tuned in {count}" if result.best.confirmed else "after: the best so far"
+    return f"after: tuned in {count(result.search_flights, 'flight')}" if result.best.confirmed else "after: the best so far"

@@ -16,6 +16,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from hotlap.core.counts import count
 from hotlap.report.film.drone import draw_drone
 from hotlap.report.film.flight_frames import FlightFrames
 from hotlap.report.projection import Camera, aim, gate_lines, ground_grid, ground_level, picture_box, shadow, standing_lines
@@ -142,7 +143,7 @@ class _Panel:
         self._count.set_color(FAILURE if failed else DONE if over else DIM)
         self._count.set_fontweight("bold" if over else "normal")
         mark = "✕ " if failed else "✓ " if over else ""
-        self._count.set_text(f"{mark}{flight.ending}" if over else f"{flight.passed[k]} of {self._total} gates")
+        self._count.set_text(f"{mark}{flight.ending}" if over else f"{flight.passed[k]} of {count(self._total, 'gate')}")
 
 
 def _fill(low: Floats, high: Floats, aspect: float) -> tuple[Floats, Floats]:

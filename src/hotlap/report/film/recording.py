@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
+from hotlap.system.text_files import written_whole
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -57,14 +58,8 @@ def record(path: Path, frames: Iterable[Pixels]) -> Path:
     Raises:
         InputError: when it cannot be written.
     """
-    part = path.with_name(path.name + ".part")
-    try:
+    with written_whole(path) as part:
         (_write_mp4 if path.suffix.lower() == ".mp4" else _write_gif)(part, frames, RATES[path.suffix.lower()])
-        part.replace(path)
-    except OSError as error:
-        raise InputError(str(path), "", f"cannot be written: {error.strerror or error}") from None
-    finally:
-        part.unlink(missing_ok=True)
     return path
 
 

@@ -188,6 +188,7 @@ def dump_scenario(scenario: Scenario) -> dict[str, Any]:
         "floor": race.track.floor,
         **dump_structures(scenario),
         "gates": pack(race.track.gate_positions),
+        "gate_numbers": list(race.track.gate_numbers),
         "gate_times": pack(scenario.reference.gate_times),
         "gate_segments": scenario.gate_segments.tolist(),
         "pieces": pieces,

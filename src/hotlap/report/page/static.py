@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from hotlap.core.counts import count
 from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.report.markup import element, facts, paragraph, table, text
 from hotlap.report.page.replay import BEST, Replay
@@ -55,11 +56,10 @@ def _verdict(result: Result, snapshot: Snapshot) -> str:
     gates = f"{100 * result.best.completion:.0f} % of the gates"
     lap = f", a lap of {result.best.lap_time:.2f} s" if math.isfinite(result.best.lap_time) else ""
     if snapshot.configuration.settings.goal.quantity is Quantity.NONE:
-        return f"{result.flights} flights; the best passed {gates}{lap}."
+        return f"{count(result.flights, 'flight')}; the best passed {gates}{lap}."
     if result.best.confirmed:
-        flights = "1 search flight" if result.search_flights == 1 else f"{result.search_flights} search flights"
-        return f"{result.goal} confirmed after {flights}: {gates}{lap}."
-    return f"{result.goal} NOT confirmed in {result.flights} flights; the best so far passed {gates}{lap}."
+        return f"{result.goal} confirmed after {count(result.search_flights, 'search flight')}: {gates}{lap}."
+    return f"{result.goal} NOT confirmed in {count(result.flights, 'flight')}; the best so far passed {gates}{lap}."
 
 
 def _validated(validation: Validation | None) -> str:
@@ -70,7 +70,7 @@ def _validated(validation: Validation | None) -> str:
 def share(successes: int, flights: int) -> str:
     """A success rate with its interval: 97 of 100 flights (95 % interval 92 to 99 %)."""
     low, high = wilson_interval(successes, flights)
-    return f"{successes} of {flights} flights (95 % interval {100 * low:.0f} to {100 * high:.0f} %)"
+    return f"{successes} of {count(flights, 'flight')} (95 % interval {100 * low:.0f} to {100 * high:.0f} %)"
 
 
 def _figure(scene: Scene) -> str:

@@ -179,7 +179,8 @@ def _gate_numbers(scene: Scene, panel: _Panel) -> Iterator[str]:
     style: dict[str, Any] = {"font_size": LETTER, "fill": "currentColor", "text_anchor": "middle"}
     for (x, y), members in group(panel.of(scene.gates), 6.0):
         above = _top(scene.structures.gates[members[0]].larger(LEAST / panel.scale), panel)
-        yield element("text", number(members), x=f"{x:.1f}", y=f"{y - above - 3:.1f}", **style)
+        numbers = number(scene.structures.gates[member].number for member in members)
+        yield element("text", numbers, x=f"{x:.1f}", y=f"{y - above - 3:.1f}", **style)
 
 
 def _top(shape: GateShape, panel: _Panel) -> float:
