@@ -28,6 +28,9 @@ class Settings(NamedTuple):
         thrust_bias, position, velocity, attitude: standard deviations of what differs from flight to flight.
         measured_position, measured_velocity, measured_attitude: those of the state that the controller sees.
         wind, wind_memory: standard deviation of the gusts, and factor by which they decay in one period.
+        steady_wind: [m/s^2].
+        sagging: whether a battery takes thrust from any of the flights.
+        duration: [s] of the reference.
     """
 
     nodes: int
@@ -56,6 +59,9 @@ class Settings(NamedTuple):
     measured_attitude: float
     wind: float
     wind_memory: float
+    steady_wind: float
+    sagging: bool
+    duration: float
 
 
 class Job(NamedTuple):
@@ -72,6 +78,7 @@ class Job(NamedTuple):
         low, high: (4,) bounds of the inputs.
         vehicles: (B or 1, V) as `plant.vehicle_numbers` gives them.
         delay_periods, delay_steps: (B or 1,) dead time in control periods and, beyond them, in steps of the plant.
+        sags: (B or 1, 2) share of thrust lost over the reference's duration, and in a second for each N^1.5 of thrust.
         autopilot: (A,).
         control_model: (M,) in the order of `parameter_layout.MODEL`.
         log_rows: (B,) row in `logs`, -1 for a flight that is not logged.
@@ -91,6 +98,7 @@ class Job(NamedTuple):
     vehicles: Any
     delay_periods: Any
     delay_steps: Any
+    sags: Any
     autopilot: Any
     control_model: Any
     log_rows: Any
