@@ -73,7 +73,7 @@ def fly_batch(
     """
     job, gates = prepare(scenario, parameters, seeds, numbers, vehicle_parameters, log)
     verdicts = new_verdicts(len(seeds), len(gates.times))
-    settings, kind = settings_of(scenario), scenario.race.controller.kind
+    settings, kind = settings_of(scenario)._replace(sagging=bool(job.sags.any())), scenario.race.controller.kind
     crew = min(threads or available(), -(-len(seeds) // numbers.lanes))
     if crew <= 1:
         effort = fly_queue(numbers, kind, job, settings, gates, verdicts)
@@ -116,6 +116,9 @@ def settings_of(scenario: Scenario) -> Settings:
         measured_attitude=noise.measured_attitude,
         wind=noise.wind,
         wind_memory=_memory(controller.period, noise.wind_time),
+        steady_wind=noise.steady_wind,
+        sagging=False,
+        duration=scenario.reference.duration,
         offset_free=scenario.offset_free,
         corrected=scenario.corrects_target,
         acted_periods=0,
@@ -176,6 +179,7 @@ def prepare(
         vehicles=vehicles,
         delay_periods=delay_steps // in_period,
         delay_steps=delay_steps % in_period,
+        sags=np.hstack([part_of(given, "sag"), part_of(given, "charge_sag")]),
         autopilot=autopilot_numbers(race.control_model),
         control_model=model,
         known_drag=known_drag(race, model),

@@ -28,6 +28,9 @@ class Settings(NamedTuple):
         thrust_bias, position, velocity, attitude: standard deviations of what differs from flight to flight.
         measured_position, measured_velocity, measured_attitude: those of the state that the controller sees.
         wind, wind_memory: standard deviation of the gusts, and factor by which they decay in one period.
+        steady_wind: [m/s^2].
+        sagging: whether a battery takes thrust from any of the flights.
+        duration: [s] of the reference.
         offset_free: whether the observer estimates thrust effectiveness and disturbance; see `observer`.
         corrected: whether target and prediction are corrected, for what is estimated or for drag.
         acted_periods, acted_rest: the known dead time in whole periods, and the rest as a share of one.
@@ -61,6 +64,9 @@ class Settings(NamedTuple):
     measured_attitude: float
     wind: float
     wind_memory: float
+    steady_wind: float
+    sagging: bool
+    duration: float
     offset_free: bool
     corrected: bool
     acted_periods: int
@@ -84,6 +90,7 @@ class Job(NamedTuple):
         low, high: (4,) bounds of the inputs.
         vehicles: (B or 1, V) as `plant.vehicle_numbers` gives them.
         delay_periods, delay_steps: (B or 1,) dead time in control periods and, beyond them, in steps of the plant.
+        sags: (B or 1, 2) share of thrust lost over the reference's duration, and in a second for each N^1.5 of thrust.
         autopilot: (A,).
         control_model: (M,) in the order of `parameter_layout.MODEL`.
         known_drag: (M,) the same with the drags that `observer` corrects for, else zeros.
@@ -105,6 +112,7 @@ class Job(NamedTuple):
     vehicles: Any
     delay_periods: Any
     delay_steps: Any
+    sags: Any
     autopilot: Any
     control_model: Any
     known_drag: Any

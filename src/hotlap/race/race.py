@@ -185,6 +185,8 @@ class NoiseSettings(Described):
     """[m/s^2] (world) acceleration by gusts, correlated over `wind_time`."""
     wind_time: Positive = 1.0
     """[s] correlation time of the gusts."""
+    steady_wind: NotNegative = 0.0
+    """[m/s^2] (world) acceleration by a steady wind, level, from a direction that each flight draws."""
 
 
 class GateRule(StrEnum):
