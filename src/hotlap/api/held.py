@@ -7,6 +7,7 @@ from typing import Any
 
 from hotlap.analysis.robustness import HELD, Robustness
 from hotlap.api.wording import percent
+from hotlap.core.counts import count
 from hotlap.core.errors import InputError
 from hotlap.race.conditions import Condition, check_conditions
 from hotlap.race.hold import parse_hold
@@ -40,12 +41,8 @@ def say_held(robustness: Sequence[Robustness]) -> str:
     if not asked:
         return ""
     if lost:
-        return f"does NOT hold in {percent(HELD)} of the flights under {len(lost)} of {len(asked)} conditions: {', '.join(lost)}"
-    return f"holds in at least {percent(HELD)} of the flights under {'all' if len(asked) > 1 else 'the'} {_conditions(len(asked))}"
-
-
-def _conditions(number: int) -> str:
-    return f"{number} conditions asked for" if number > 1 else "condition asked for"
+        return f"{len(lost)} of {count(len(asked), 'condition')} NOT held in {percent(HELD)} of the flights: {', '.join(lost)}"
+    return f"{count(len(asked), 'condition')} asked for, {'all ' * (len(asked) > 1)}held in at least {percent(HELD)} of the flights"
 
 
 def dump_robustness(robustness: Robustness) -> Mapping[str, Any]:
