@@ -105,7 +105,8 @@ def test_fly_adds_what_is_asked_for_and_nothing_else(hotlap):
 
 
 def test_compare_has_a_table_of_what_each_tuner_holds(hotlap, here):
-    asked = "compare straight.toml --tuners random_search,metropolis_hastings --seeds 2 --budget 40 --jobs 1 --out c".split()
+    few = ("--seeds", "2", "--budget", "40", "--jobs", "1", "--out", "c")
+    asked = ("compare", "straight.toml", "--tuners", "random_search,metropolis_hastings", *few)
     plain = hotlap(*asked, "--json").document
     ran = hotlap(*asked, "--hold", ASKED)
     assert "race" in ran.out.partition("will it hold?\n")[2].splitlines()[0]
