@@ -213,7 +213,7 @@ def _advise(scenario: Scenario, world: World, default: Tried, best: Tried) -> Ge
 def _slow_down(race: Race, world: World, best: Tried, slower: Callable[[Race], Scenario]) -> Iterator[Finding]:
     """Whether a plan that takes less of the thrust is followed."""
     share = round(SLOWER * race.planning_model.max_acceleration / race.control_model.max_acceleration, 2)
-    calm = race.model_copy(update={"planning": race.planning.model_copy(update={"thrust_share": share})})
+    calm = race.with_share(share)
     if race.planning.quadrotor is not None or calm.planning_model.thrust_to_weight < BARELY:
         return
     try:
