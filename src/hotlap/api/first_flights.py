@@ -145,18 +145,19 @@ def find_doom(scenario: Scenario, world: World, tried: Sequence[Tried]) -> Doom 
     return Doom(at_once, bool((flown.flights.end == End.CRASHED).all()), words)
 
 
-def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
+def say_doom(scenario: Scenario, world: World, *guesses: Parameters) -> str:
     """One line for who is about to tune a race that no weights can save; "" where some do.
 
     Args:
         scenario: what is flown.
         world: where; it is ready to fly.
-        weights: shape (S, K), that the search begins with.
+        guesses: each of shape (S, K), that the search may begin with.
     """
-    tried = Tried("first guess", weights, _fly(scenario, world, weights, FEW))
-    doom = find_doom(scenario, world, [tried])
+    tried = [Tried("first guess", weights, _fly(scenario, world, weights, FEW)) for weights in guesses]
+    doom = find_doom(scenario, world, tried)
     if doom is None:
-        return f"{tried.dead} of {FEW} flights are over within {DEAD:g} s, whatever the weights" if tried.dead else ""
+        dead = min(one.dead for one in tried)
+        return f"{dead} of {FEW} flights are over within {DEAD:g} s, whatever the weights" if dead else ""
     hopeless = "no weights help as it stands: " if doom.crashed else ""
     return f"{hopeless}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
 
