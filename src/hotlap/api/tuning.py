@@ -47,7 +47,7 @@ def tune(
         out: folder of the study, begun or gone on with; None: runs/RACE-DATE, new.
         reference: read this CSV instead of planning.
         segments: how the reference is cut.
-        first_guess: what to begin with; None: learned, or where a plan has full dynamics the better of learned and default in a few flights.
+        first_guess: what to begin with; None: learned, on plans with full dynamics that or default, whichever flies better.
         controller: which one flies; None: the race's.
         on: where to fly.
         randomise: fly vehicles whose parameters differ from the race's by up to this share.
