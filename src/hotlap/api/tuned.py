@@ -163,8 +163,9 @@ def carry_out(asked: Asked) -> TuningResult:
     folder = as_path(asked.out) or new_folder(configuration.scenario.race.name)
     with (
         asked.remarked("go on", out=folder),
-        Study.open(folder, configuration, asked.command(out=None), asked.hold) as study,
+        Study.open(folder, configuration, hold=asked.hold) as study,
     ):
+        study.keep_command(asked.command(out=None, hold=study.hold))
         before = study.wall_time
         result = _tune(study, world, asked)
         file = folder / PARAMETERS_FILE

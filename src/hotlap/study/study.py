@@ -84,8 +84,7 @@ class Study:
                 study._create(configuration)
             else:
                 study._continue(configuration)
-            if command and command != study.command:
-                study._enter("command", command)
+            study.keep_command(command)
             if hold:
                 study._enter("hold", hold)
         return study
@@ -155,6 +154,11 @@ class Study:
     def command(self) -> str:
         """The command that does the same again; "" where it was not kept."""
         return self._entry("command") or ""
+
+    def keep_command(self, command: str) -> None:
+        """Keep the command that does the same again; "" leaves that of before."""
+        if command and command != self.command:
+            self._enter("command", command)
 
     @property
     def hold(self) -> str:
