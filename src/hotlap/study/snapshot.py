@@ -14,6 +14,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.study.configuration import GIVEN, Configuration
 from hotlap.study.result import Result
 from hotlap.study.study import Study
+from hotlap.study.tried_plan import TriedPlan
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Snapshot:
         openings: when it was worked on, with the versions of what worked.
         command: that began it.
         hold: conditions that its result is to hold under, as they were asked for.
+        plans: that were tried before one was chosen; empty where the race fixes it.
     """
 
     folder: Path
@@ -39,6 +41,7 @@ class Snapshot:
     openings: tuple[tuple[str, Mapping[str, str]], ...]
     command: str
     hold: str = ""
+    plans: tuple[TriedPlan, ...] = ()
 
     @property
     def best(self) -> Parameters:
@@ -60,6 +63,7 @@ def read_snapshot(study: Study) -> Snapshot:
             openings=tuple(study.openings),
             command=study.command or _rebuild(configuration, study.hold),
             hold=study.hold,
+            plans=tuple(study.plans),
         )
 
 

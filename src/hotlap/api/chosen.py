@@ -1,0 +1,179 @@
+"""Chosen: the plan of a race that fixes none: the boldest that its tuned controller holds, each tuned in a study of its own.
+
+The plans share out the flights of the budget: each may take a quarter of them, and is given up earlier where no candidate passes half of
+the gates. The study of the chosen one becomes the study of the race, with all flights that are left.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from hotlap.analysis.boldest import find_boldest, shares_of
+from hotlap.analysis.robustness import HELD, fly_conditions
+from hotlap.api.asked import Asked
+from hotlap.api.flown import FlightsResult
+from hotlap.api.scenarios import make_ready
+from hotlap.core.errors import PlanningError
+from hotlap.core.parameters import Parameters
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.race.hold import parse_hold
+from hotlap.race.race import Race
+from hotlap.study.configuration import Configuration
+from hotlap.study.database import FILE
+from hotlap.study.study import Study
+from hotlap.study.tried_plan import TriedPlan, chosen_of
+from hotlap.tuning.goal import Quantity
+from hotlap.tuning.loop import Batch, TuningSettings
+from hotlap.tuning.objective import Objective
+from hotlap.worlds.world import World
+
+PLANS = "plans"  # folder of the studies of all plans, within that of the race
+PARTS = 4  # of the budget: what one plan may take at most
+FEWEST = 20  # flights of a plan beside its re-flights
+PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
+UNSEEN = 300_000  # first of the flights that tell whether conditions hold: no others are flown with their noise
+TOLD = 50  # flights that tell how a plan fails
+
+Configure = Callable[[Race, TuningSettings], Configuration]
+
+
+def leaves_open(race: Race, settings: TuningSettings, asked: Asked) -> bool:
+    """Whether a plan is to be chosen: none is fixed or read, and the flights are enough to tell one that holds."""
+    enough = settings.budget >= settings.confirm + FEWEST and settings.validation > 0
+    return race.planning.free and asked.reference is None and settings.goal.quantity is not Quantity.NONE and enough
+
+
+def choose_plan(
+    race: Race, world: World, settings: TuningSettings, configure: Configure, folder: Path, asked: Asked
+) -> tuple[Configuration, tuple[TriedPlan, ...]]:
+    """How a race is tuned with the plan that is chosen for it, and the plans that were tried; a study that is there has its plan already.
+
+    Raises:
+        PlanningError: there is no plan with any share of the thrust.
+    """
+    if (folder / FILE).exists():
+        with Study.read(folder) as study:
+            share, plans = study.configuration.scenario.race.planning.thrust_share, tuple(study.plans)
+        others = sum(plan.flights for plan in plans if plan.share != share)
+        return configure(race if share is None else race.with_share(share), replace(settings, budget=settings.budget - others)), plans
+    choice = PlanChoice(race, world, settings, configure, folder, asked)
+    chosen = choice.choose()
+    return (configure(race, settings), ()) if chosen is None else (choice.settle(chosen), tuple(choice.plans))
+
+
+@dataclass
+class PlanChoice:
+    """The search for the plan of a race.
+
+    Attributes:
+        race: which fixes none.
+        world: where it is flown.
+        settings: of the tuning; the budget is that of all plans together.
+        configure: plans a race, and says how it is tuned.
+        folder: of the study.
+        asked: what was asked for.
+        plans: that were tried, in the order tried.
+    """
+
+    race: Race
+    world: World
+    settings: TuningSettings
+    configure: Configure
+    folder: Path
+    asked: Asked
+    plans: list[TriedPlan] = field(default_factory=list)
+    _configurations: dict[float, Configuration] = field(default_factory=dict, init=False)
+
+    def choose(self) -> TriedPlan | None:
+        """Try plans; None where there is none at all."""
+        find_boldest(shares_of(self.race), self._attempt)
+        return chosen_of(self.plans)
+
+    @property
+    def left(self) -> int:
+        """Flights that no plan has taken."""
+        return self.settings.budget - sum(plan.flights for plan in self.plans)
+
+    def settle(self, chosen: TriedPlan) -> Configuration:
+        """Make the study of the chosen plan that of the race, with all flights that are left."""
+        target, source = self.folder / FILE, self.folder / PLANS / _name(chosen.share) / FILE
+        if not target.exists():
+            part = target.with_suffix(".part")
+            shutil.copyfile(source, part)
+            part.replace(target)
+        configuration = self._configurations[chosen.share]
+        return replace(configuration, settings=replace(configuration.settings, budget=self.left + chosen.flights))
+
+    def _attempt(self, share: float) -> TriedPlan | None:
+        """Plan with a share of the thrust, tune, and judge; None where too few flights are left."""
+        budget = min(self.left, max(self.settings.budget // PARTS, self.settings.confirm + FEWEST))
+        if budget < self.settings.confirm + FEWEST:
+            return None
+        try:
+            configuration = self.configure(self.race.with_share(share), replace(self.settings, budget=budget))
+        except PlanningError as error:
+            tried = TriedPlan(share, None, 0, None, holds=False, end=f"there is no plan ({error.reason})")
+        else:
+            self._configurations[share] = configuration
+            tried = self._tune(share, configuration)
+        self.plans.append(tried)
+        return tried
+
+    def _tune(self, share: float, configuration: Configuration) -> TriedPlan:
+        """Tune one plan as far as that makes sense, and judge it."""
+        make_ready(self.world, configuration.scenario, self.asked.progress)
+        objective = Objective(configuration.scenario, self.world, configuration.metric, configuration.settings.randomise)
+        with Study.open(self.folder / PLANS / _name(share), configuration) as study, suppress(_Hopeless):
+            before = study.result
+            with self.asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
+                study.run(objective, _patient(watch))
+        with Study.read(self.folder / PLANS / _name(share)) as study:
+            return self._judge(share, study)
+
+    def _judge(self, share: float, study: Study) -> TriedPlan:
+        """Whether the best parameters hold, as tuned and under what was asked for; if not, how most flights end."""
+        result, configuration = study.result, study.configuration
+        assert result is not None, "it has flown"  # noqa: S101  our own mistake
+        rate = None if result.validation is None else result.validation.rate
+        lap = configuration.scenario.reference.lap_time
+        told = TriedPlan(share, lap, result.flights, rate, holds=False)
+        if not result.best.confirmed or rate is None or rate < HELD:
+            return replace(told, end=_how_it_ends(configuration, self.world, result.best.parameters))
+        conditions, settings = parse_hold(self.asked.hold), configuration.settings
+        seeds = flight_seeds(settings.seed, Stream.DEMONSTRATION, UNSEEN, settings.validation)
+        flown = fly_conditions(configuration.scenario, self.world, result.best.parameters, seeds, conditions)
+        lost = [condition.name for condition, scores in flown.items() if settings.goal.succeeded(scores).mean() < HELD]
+        return replace(told, holds=not lost, end=f"it does not hold under {', '.join(lost)}" if lost else "")
+
+
+class _Hopeless(Exception):  # noqa: N818  no error
+    """A plan of which no candidate passes enough gates."""
+
+
+def _patient(watch: Callable[[Batch], None]) -> Callable[[Batch], None]:
+    """What watches a search, and ends one that leads nowhere."""
+
+    def see(batch: Batch) -> None:
+        watch(batch)
+        if batch.flights >= PATIENCE and batch.best.completion < HALF and not batch.done:
+            raise _Hopeless
+
+    return see
+
+
+def _how_it_ends(configuration: Configuration, world: World, parameters: Parameters) -> str:
+    """How most flights end that do not pass all gates: "31 of 50 flights missed gate 3"."""
+    seeds = flight_seeds(configuration.settings.seed, Stream.DEMONSTRATION, 0, TOLD)
+    flights, scores = Objective(configuration.scenario, world).fly_recorded(np.repeat(parameters[None], TOLD, axis=0), seeds)
+    return FlightsResult(configuration.scenario, world.name, parameters, flights, scores).commonest_end() or "too few flights succeed"
+
+
+def _name(share: float) -> str:
+    """Of the folder of a plan's study."""
+    return f"{share:.2f}"
