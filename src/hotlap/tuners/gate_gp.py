@@ -28,6 +28,7 @@ from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
 from hotlap.tuners.surrogates.gate_ensemble import GateEnsemble, Processes, climb, values_of
 from hotlap.tuners.surrogates.gate_process import GateKernel, Group, climb_at_random, condition, gate_groups
+from hotlap.tuners.surrogates.threads import one_thread
 from hotlap.tuners.walk import Walk, WalkSettings, fitted, restart_points
 
 Floats = NDArray[np.float64]
@@ -37,6 +38,7 @@ THRIFTY_POOL = 64  # likewise, of the thrifty form
 REMEMBERED = 100  # flights that its processes are conditioned on, and up to `RENEWED` more
 RENEWED = 10  # flights between two choices of these
 LIKELIEST = 60  # latest of these that enter the likelihood
+ROWS_AT_ONCE = 256  # points whose predictions are made at once
 THRIFTY_STRIDES = 30  # steps of its random search for the kernel, made when the number of flights has doubled
 REFIT = 5  # flights between updates of the kernel; an update is left out where the proposal is drawn uniformly
 STRIDES = (20, 6)  # steps of the random search for the kernel: of the first update, and of the later ones
@@ -134,14 +136,38 @@ class GateGp(Walk[GateGpSettings]):
         self._searched_at = state.get("searched_at", len(self._points))
         self._known = None
 
+    def recommend(self, count: int, rng: np.random.Generator) -> Parameters:
+        """Parameters that the processes expect to pass all gates most often, the best first, shape (n, S, K), n at most `count`.
+
+        Half of them were flown; the others are the best of their neighbourhood. Only the thrifty form recommends anything.
+        """
+        if not self.settings.thrifty or self._kernel is None:
+            return np.empty((0, *self._shape_of_parameters))
+        with one_thread():
+            ensemble = self._condition(self._finite_costs(), search=False).ensemble
+            flown = np.array(self._points)
+            parts = range(0, len(flown), ROWS_AT_ONCE)
+            values = [self._acquisition(*ensemble.predict(self._cube(flown[i : i + ROWS_AT_ONCE])), 0.0) for i in parts]
+            best = flown[np.argsort(np.concatenate(values), kind="stable")[: count - count // 2]]
+            near = [self._neighbour(centre, ensemble, rng) for centre in best[: count // 2]]
+        mixed = np.array([point for pair in zip(best, near, strict=False) for point in pair] + list(best[len(near) :]))
+        return np.array([self._decode(point) for point in mixed])
+
+    def _neighbour(self, centre: Floats, ensemble: GateEnsemble, rng: np.random.Generator) -> Floats:
+        """The best of some generations of candidates around a point, shape (S K,)."""
+        for _ in range(self.settings.generations):
+            pool = np.vstack([centre, self._mirror(centre + self._moves(THRIFTY_POOL, rng))])
+            centre = pool[int(np.argmin(self._acquisition(*ensemble.predict(self._cube(pool)), 0.0)))]
+        return centre
+
     def _exploration_probability(self, flown: int) -> float:
         """Probability of a uniformly drawn proposal: it falls, but not to 0, so that the walk leaves a region where no parameters pass."""
         return self.settings.exploration * max(LEAST_EXPLORATION, HALF_EXPLORATION / (HALF_EXPLORATION + flown))
 
-    def _steps(self, count: int) -> Floats:
+    def _steps(self, count: int, rng: np.random.Generator | None = None) -> Floats:
         """Gaussian steps of unit size, the same in all segments, shape (count, S K)."""
         segments, size = self._shape_of_parameters
-        return np.tile(self._rng.standard_normal((count, size)), segments)
+        return np.tile((rng or self._rng).standard_normal((count, size)), segments)
 
     def _propose(self, costs: Floats) -> Floats:
         """The best candidate of the last generation, or a restart; shape (S K,)."""
@@ -178,15 +204,19 @@ class GateGp(Walk[GateGpSettings]):
             centre = pool[int(np.argmin(self._acquisition(*known.ensemble.predict(self._cube(pool)), k)))]
         return centre
 
-    def _condition(self, costs: Floats) -> Known:
+    def _condition(self, costs: Floats, *, search: bool = True) -> Known:
         """The processes given the flights that are remembered.
 
         Which these are depends on the number of flights, and on that at which the kernel was searched for, but not on when they were asked
         for: an interrupted run has the same.
+
+        Args:
+            costs: of all flights, shape (n,).
+            search: whether the kernel is searched for when it is time.
         """
         count, gates = len(costs), bool(self._gate_segments)
         processes = Processes.of_gates(np.array(self._gate_segments)) if gates else Processes.of_cost()
-        if self._kernel is None or count >= 2 * self._searched_at:
+        if self._kernel is None or (search and count >= 2 * self._searched_at):
             latest = remembered(costs)[-LIKELIEST:]
             points, values = self._flown(latest), self._values(processes, costs, latest)
             start = GateKernel.prior(self._shape_of_parameters[1]) if self._kernel is None else self._kernel
@@ -240,16 +270,16 @@ class GateGp(Walk[GateGpSettings]):
         slopes = steepness / (1 + np.exp(-exponents))
         return np.logaddexp(0, exponents).sum(axis=1) - k * np.linalg.norm(slopes * deviations, axis=1)
 
-    def _moves(self, count: int = POOL) -> Floats:
+    def _moves(self, count: int = POOL, rng: np.random.Generator | None = None) -> Floats:
         """Steps of random sizes, half of them along some axes only, a share `parted` in a range of segments only; shape (count, S K)."""
-        segments, size = self._shape_of_parameters
-        sizes = self.settings.step * np.exp(self._rng.uniform(*STEP_SIZES, (count, 1)))
-        steps = self._cube(sizes * self._steps(count))
-        some = (self._rng.random((count, 1)) < 0.5) & (self._rng.random((count, size)) < 0.5)
+        (segments, size), rng = self._shape_of_parameters, rng or self._rng
+        sizes = self.settings.step * np.exp(rng.uniform(*STEP_SIZES, (count, 1)))
+        steps = self._cube(sizes * self._steps(count, rng))
+        some = (rng.random((count, 1)) < 0.5) & (rng.random((count, size)) < 0.5)
         steps = np.where(some[:, None], 0.0, steps)
-        ends = np.sort(self._rng.integers(segments, size=(count, 2)), axis=1)
+        ends = np.sort(rng.integers(segments, size=(count, 2)), axis=1)
         within = (np.arange(segments) >= ends[:, :1]) & (np.arange(segments) <= ends[:, 1:])
-        moved = within | (self._rng.random((count, 1)) >= self.settings.parted)
+        moved = within | (rng.random((count, 1)) >= self.settings.parted)
         return np.where(moved[:, :, None], steps, 0.0).reshape(count, -1)
 
     def _cube(self, points: Floats) -> Floats:
