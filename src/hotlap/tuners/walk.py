@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
+from hotlap.tuners.surrogates.threads import one_thread
 
 Floats = NDArray[np.float64]
 
@@ -65,7 +66,8 @@ class Walk(ABC, Generic[AnySettings]):
         if not self._points:
             return self._first[None].copy()
         if self._proposal is None:
-            self._proposal = self._next()
+            with one_thread():
+                self._proposal = self._next()
         return self._decode(self._proposal)[None]
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
