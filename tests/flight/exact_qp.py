@@ -33,7 +33,7 @@ INFEASIBLY_FAR = 1e-9  # of an input from its bound: nearer is at the bound
 @kept
 def begin_one(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     begin_control(job, s, mpc, 0)
-    begin_control_loop(s, loop, 0)
+    begin_control_loop(job, s, loop, 0)
 
 
 @kept

@@ -58,7 +58,7 @@ def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settin
         Control steps of all lanes, and of lanes that flew, shape (2,).
     """
     lanes, real, effort = numbers.lanes, numbers.dtype, np.zeros(2, dtype=np.int64)
-    commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods) + 2
+    commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods, settings.acted_periods) + 2
     controller = CONTROLLERS[kind].allocate(settings.nodes, lanes, real)
     memory = controller, allocate_control_loop(commands, lanes, real), allocate_vehicle_state(lanes, real)
     flight, tick, piece = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
@@ -138,7 +138,7 @@ def _start_flight(job: Job, s: Settings, floor: float, loop: ControlLoop, vehicl
     vehicle_state.disturbance[THRUST_FACTOR, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS)
     lane.thrust[0, k], lane.thrust[1, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS), 0
     _place(job, s, floor, vehicle_state, k, seed, job.vehicles[vehicle, MASS])
-    begin_control_loop(s, loop, k)
+    begin_control_loop(job, s, loop, k)
     lane.correlated[:, k] = 0
     vehicle_state.acting[:, k] = 0
     vehicle_state.acting[0, k] = s.gravity
@@ -237,6 +237,7 @@ def _log(job: Job, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k
         for n in range(4):
             job.logs[row, tick, 13 + n] = vehicle_state.state[13 + n, k] ** 2
             job.logs[row, tick, 17 + n] = loop.history[0, n, k]
+            job.logs[row, tick, 21 + n] = loop.estimate[n, k]
 
 
 @njit(**INNER)

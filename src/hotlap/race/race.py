@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from hotlap.race.controllers import TUNABLE, ControllerKind
+from hotlap.race.observer import ObserverSettings
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.schema import Described, NotNegative, Positive
 from hotlap.race.track import Track
@@ -116,6 +117,12 @@ class ControllerSettings(Described):
     """predict the state over the model's dead time, and over a share of its lag."""
     lag_lead: float = Field(default=0.5, ge=0, le=1)
     """[-] that share: of the lag of motors and rate loop, which the controller's model does not have."""
+    offset_free: bool | None = None
+    """estimate thrust effectiveness and disturbance in flight, and make up for them. None: where the plan leaves the thrust for it."""
+    observer: ObserverSettings = ObserverSettings()
+    """how fast these are estimated."""
+    reference_drag: bool = True
+    """make up for the model's drag at the reference's velocities and attitudes."""
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
     """what a predicting controller compares with: the reference when the command acts, or now."""
     segment_switch: SegmentSwitch = SegmentSwitch.TIME
