@@ -82,7 +82,8 @@ def signs_of(scenario: Scenario, log: Log, end_time: float) -> Signs | None:
     log = Log(log.times[:rows], log.states[:rows], log.rotor_thrusts[:rows], log.commands[:rows])
     last, first = log.times >= log.times[-1] - BEFORE, log.times <= log.times[0] + BEGINNING
     limits = np.array(race.controller.rates[:2])
-    full = np.asarray(log.commands[:, 0] >= AT_LIMIT * min(race.controller.thrust[1], race.control_model.max_acceleration))
+    most = min(race.controller.thrust[1], race.control_model.max_acceleration)
+    full = np.greater_equal(log.commands[:, 0], AT_LIMIT * most)
     turning = log.commands[:, 1:3] / limits
     jumps = (np.abs(np.diff(turning, axis=0, prepend=turning[:1])) > 1).any(axis=1)
     along, aside, above, growing = _error(scenario.reference, log)
