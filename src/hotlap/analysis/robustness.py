@@ -12,7 +12,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
-from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition
+from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition, join_conditions
 from hotlap.race.race import NoiseSettings
 from hotlap.race.vehicle_parameters import vehicle_parameters_of
 from hotlap.reference.scenario import Scenario
@@ -21,6 +21,7 @@ from hotlap.tuning.scoring import score
 from hotlap.worlds.world import World
 
 FLIGHTS = 50  # under each condition
+HELD = 0.95  # share of successes from which on parameters hold under a condition
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,11 @@ class Robustness:
         """What is different, in words."""
         return self.condition.name
 
+    @property
+    def holds(self) -> bool:
+        """Whether enough flights met the goal: a share of `HELD`."""
+        return self.validation.rate >= HELD
+
 
 def check_robustness(
     scenario: Scenario,
@@ -51,7 +57,8 @@ def check_robustness(
     seed: int,
     flights: int = FLIGHTS,
     as_tuned: Scores | None = None,
-    conditions: Sequence[Condition] = DEFAULT_CONDITIONS,
+    asked: Sequence[Condition] = (),
+    further: Sequence[Condition] = DEFAULT_CONDITIONS,
 ) -> tuple[Robustness, ...]:
     """Fly parameters as they were tuned, and under conditions; the seeds are the same under each.
 
@@ -63,17 +70,18 @@ def check_robustness(
         seed: of the run.
         flights: under each condition.
         as_tuned: of flights without a change, with the same seeds; None: they are flown here.
-        conditions: that are flown.
+        asked: conditions that somebody asked for.
+        further: conditions that are flown as well.
 
     Returns:
-        The first is `UNCHANGED`, then the conditions in order.
+        The first is `UNCHANGED`, then the conditions that were asked for, then the others, each once.
     """
     seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, flights)
-    every = (UNCHANGED, *conditions)
+    every = (UNCHANGED, *join_conditions(asked, further))
     known = {} if as_tuned is None else {UNCHANGED: as_tuned}
     found = known | fly_conditions(scenario, world, parameters, seeds, [one for one in every if one not in known])
     met = {condition: int(goal.succeeded(scores).sum()) for condition, scores in found.items()}
-    return tuple(Robustness(condition, Validation(flights, met[condition])) for condition in every)
+    return tuple(Robustness(condition, Validation(flights, met[condition]), condition in asked) for condition in every)
 
 
 def fly_conditions(

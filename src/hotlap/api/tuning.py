@@ -35,6 +35,7 @@ def tune(
     validation: int = 200,
     reliability: float = RELIABILITY,
     batch: int = 8,
+    hold: str = "",
     progress: Progress | None = None,
 ) -> TuningResult:
     """Plan a race, tune its controller, confirm and validate the result, and write a page about it: all that `hotlap tune` does.
@@ -57,6 +58,7 @@ def tune(
         validation: flights of the result with fresh noise, 0 for none.
         reliability: least share of these to succeed, 0 for any.
         batch: most candidates to fly at once, for tuners that can.
+        hold: conditions that the result is flown under afterwards: mass=+-10%, thrust=-20%, delay=+20ms, wind=3.
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:

@@ -45,6 +45,9 @@ EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
         "rotor_thrust": [0.0, 6.9],
         "torque_ratio": 0.05,
         "radius": 0.25,
+        "battery.sag": 0.1,
+        "battery.sag_per_ampere_hour": 0.05,
+        "battery.hover_current": 15.0,
     },
     Kind.RACE: {
         "track": "circle",

@@ -67,13 +67,14 @@ class Study:
         self._state: Any = None  # as it was recorded last, if anything was
 
     @classmethod
-    def open(cls, folder: str | Path, configuration: Configuration, command: str = "") -> Self:
+    def open(cls, folder: str | Path, configuration: Configuration, command: str = "", hold: str = "") -> Self:
         """Begin a study, or continue one of the same configuration; a larger budget may be given.
 
         Args:
             folder: of the study.
             configuration: what is tuned, and how.
             command: that does the same again, to be kept.
+            hold: conditions that the result is to hold under, to be kept; "": those that were kept before.
 
         Raises:
             StudyError: another configuration, another process at work, a file that is no study or of a newer format, no room.
@@ -86,6 +87,8 @@ class Study:
                 study._continue(configuration)
             if command and command != study.command:
                 study._enter("command", command)
+            if hold:
+                study._enter("hold", hold)
         return study
 
     @classmethod
@@ -153,6 +156,11 @@ class Study:
     def command(self) -> str:
         """The command that does the same again; "" where it was not kept."""
         return self._entry("command") or ""
+
+    @property
+    def hold(self) -> str:
+        """Conditions that the result is to hold under, as they were asked for; "" where nobody asked."""
+        return self._entry("hold") or ""
 
     @property
     def openings(self) -> list[tuple[str, dict[str, str]]]:

@@ -99,7 +99,7 @@ def _validation(validation: Validation) -> dict[str, Any]:
 
 
 def _robustness(robustness: Robustness) -> dict[str, Any]:
-    return {"change": robustness.change, **_validation(robustness.validation)}
+    return {"change": robustness.change, "asked": robustness.asked, **_validation(robustness.validation)}
 
 
 def _flights(snapshot: Snapshot) -> dict[str, Any]:
