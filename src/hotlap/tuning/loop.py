@@ -27,6 +27,7 @@ from hotlap.tuning.objective import Objective
 from hotlap.tuning.selection import FINALISTS, Contenders, Selection, merit
 from hotlap.tuning.settings import TuningSettings
 
+
 @dataclass(frozen=True)
 class Request:
     """Flights that a run wants flown.
