@@ -1,4 +1,4 @@
-"""The search for the fastest plan that holds under conditions, on plans that take no time, and what parameters stand, on a world of formulas."""
+"""The search for the fastest plan that holds under conditions, on formulas in place of plans and flights."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from fake_world import OPTIMUM, FakeWorld, make_scenario
 from hotlap.analysis import front as search
 from hotlap.analysis.front import Point, front, soonest, winner
-from hotlap.analysis.plan_trials import PlanSettings, Trial, first_plan_settings, most_thrust
+from hotlap.analysis.plan_trials import PlanSettings, first_plan_settings, most_thrust
 from hotlap.analysis.severity import FALLS, SEVERITIES, Standing, standing
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.files.descriptions import load_race
@@ -104,7 +104,7 @@ class Scales:
     def __init__(self, mass: float, wind: float = math.inf) -> None:
         self.mass, self.wind, self.world = mass, wind, FakeWorld(noise=0.0)
 
-    def fly(self, scenario, parameters, seeds, *, vehicle_parameters=None, log=()):
+    def fly(self, scenario, parameters, seeds, *, vehicle_parameters=None):
         good = vehicle_parameters[:, VEHICLE_PARAMETERS.index("mass")] < self.mass
         good &= scenario.race.noise.steady_wind < self.wind
         values = np.where(good[:, None, None], OPTIMUM, 50 * OPTIMUM)

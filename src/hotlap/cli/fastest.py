@@ -53,13 +53,14 @@ def run(options: Namespace) -> int:
         raise StudyError(str(folder), "", "is a file, not the folder of a study")
     if (folder / STUDY).exists() or ((folder / RACE_FILE).exists() and load_race(folder / RACE_FILE).name != _name(race)):
         raise StudyError(str(folder), "", "holds another study; give --out a folder of its own")
+    world = worlds.build(options.on)
+    conditions = read_hold(options.hold, race, world)
     words = ["hotlap", "tune", *options.arguments, *([] if options.out is not None else ["--out", str(folder)])]
     with remark(f"nothing is lost; go on with: {shlex.join(words)}"):
-        world = worlds.build(options.on)
         make_kind_ready(world, race.controller.kind)
         jobs = ResumableJobs(folder, progress=follow_pieces, note=note)
-        if options.hold:
-            return front.run(options, race, folder, jobs, (tuner, settings), read_hold(options.hold, race, world))
+        if conditions:
+            return front.run(options, race, folder, jobs, (tuner, settings), conditions)
         do, judge = (partial(jobs.each, unit, work=work) for unit, work in (("plans", try_plan), ("winners", judge_plan)))
         best = fastest(race, tuner, settings, do, judge, ROUNDS)
     if best is None:
