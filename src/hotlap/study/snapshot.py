@@ -70,7 +70,7 @@ def _rebuild(configuration: Configuration, hold: str) -> str:
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
     words += ["--hold", hold] if hold else []
     name = "default" if begins_at_default(configuration) else configuration.first_guess_name
-    return shlex.join(words if name == GIVEN else [*words, "--first-guess", name])
+    return shlex.join(words if name == GIVEN or configuration.rival is not None else [*words, "--first-guess", name])
 
 
 def begins_at_default(configuration: Configuration) -> bool:
