@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +12,14 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
-from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition
-from hotlap.race.race import NoiseSettings
-from hotlap.race.vehicle_parameters import vehicle_parameters_of
+from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition, join_conditions
 from hotlap.reference.scenario import Scenario
 from hotlap.tuning.goal import Goal
-from hotlap.tuning.scoring import score
+from hotlap.tuning.under_conditions import fly_under
 from hotlap.worlds.world import World
 
 FLIGHTS = 50  # under each condition
+HELD = 0.95  # share of successes from which on parameters hold under a condition
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,11 @@ class Robustness:
         """What is different, in words."""
         return self.condition.name
 
+    @property
+    def holds(self) -> bool:
+        """Whether enough flights met the goal: a share of `HELD`."""
+        return self.validation.rate >= HELD
+
 
 def check_robustness(
     scenario: Scenario,
@@ -51,7 +55,8 @@ def check_robustness(
     seed: int,
     flights: int = FLIGHTS,
     as_tuned: Scores | None = None,
-    conditions: Sequence[Condition] = DEFAULT_CONDITIONS,
+    asked: Sequence[Condition] = (),
+    further: Sequence[Condition] = DEFAULT_CONDITIONS,
 ) -> tuple[Robustness, ...]:
     """Fly parameters as they were tuned, and under conditions; the seeds are the same under each.
 
@@ -63,23 +68,24 @@ def check_robustness(
         seed: of the run.
         flights: under each condition.
         as_tuned: of flights without a change, with the same seeds; None: they are flown here.
-        conditions: that are flown.
+        asked: conditions that somebody asked for.
+        further: conditions that are flown as well.
 
     Returns:
-        The first is `UNCHANGED`, then the conditions in order.
+        The first is `UNCHANGED`, then the conditions that were asked for, then the others, each once.
     """
     seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, flights)
-    every = (UNCHANGED, *conditions)
+    every = (UNCHANGED, *join_conditions(asked, further))
     known = {} if as_tuned is None else {UNCHANGED: as_tuned}
     found = known | fly_conditions(scenario, world, parameters, seeds, [one for one in every if one not in known])
     met = {condition: int(goal.succeeded(scores).sum()) for condition, scores in found.items()}
-    return tuple(Robustness(condition, Validation(flights, met[condition])) for condition in every)
+    return tuple(Robustness(condition, Validation(flights, met[condition]), condition in asked) for condition in every)
 
 
 def fly_conditions(
     scenario: Scenario, world: World, parameters: Parameters, seeds: NDArray[np.int64], conditions: Sequence[Condition]
 ) -> dict[Condition, Scores]:
-    """Fly parameters under conditions, those of the same noise in one batch.
+    """Fly parameters under conditions.
 
     Args:
         scenario: what is flown.
@@ -88,19 +94,9 @@ def fly_conditions(
         seeds: of the flights under each condition.
         conditions: each once.
     """
-    race, found = scenario.race, {}
-    noises: dict[str, tuple[NoiseSettings, list[Condition]]] = {}
-    for condition in conditions:
-        noise = condition.noise(race.noise)
-        noises.setdefault(noise.fingerprint, (noise, []))[1].append(condition)
-    for noise, alike in noises.values():
-        vehicles = np.stack([condition.vehicle_parameters(vehicle_parameters_of(race.vehicle)) for condition in alike])
-        flown = world.fly(
-            replace(scenario, race=race.model_copy(update={"noise": noise})),
-            np.repeat(parameters[None], len(seeds) * len(alike), axis=0),
-            np.tile(seeds, len(alike)),
-            vehicle_parameters=np.repeat(vehicles, len(seeds), axis=0),
-        )
-        scores = score(flown, race.judge)
-        found |= {condition: scores.rows(slice(i * len(seeds), (i + 1) * len(seeds))) for i, condition in enumerate(alike)}
-    return found
+    if not conditions:
+        return {}
+    each, repeated = len(seeds), np.repeat(parameters[None], len(seeds) * len(conditions), axis=0)
+    one_by_one = [condition for condition in conditions for _ in range(each)]
+    scores = fly_under(scenario, world, repeated, np.tile(seeds, len(conditions)), one_by_one)
+    return {condition: scores.rows(slice(i * each, (i + 1) * each)) for i, condition in enumerate(conditions)}
