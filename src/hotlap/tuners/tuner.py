@@ -65,6 +65,14 @@ def remark_of(tuner: Tuner) -> str:
     return "" if report is None else str(report())
 
 
+def asked_together(tuner: Tuner, count: int) -> Parameters:
+    """Parameters to fly next from a tuner that makes many proposals of one model, shape (B, S, K), B at most `count`.
+
+    They come from its method `ask_together(count)`, or from `ask` where it has none.
+    """
+    return getattr(tuner, "ask_together", tuner.ask)(count)
+
+
 def recommended_by(tuner: Tuner, count: int, rng: np.random.Generator) -> Parameters:
     """Parameters that a tuner expects to succeed most often by all that it was told, the best first, shape (n, S, K), n at most `count`.
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,14 @@ from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.reference.scenario import Scenario
-from hotlap.tuners.tuner import Tuner, recommended_by
+from hotlap.tuners.tuner import Tuner, asked_together, recommended_by
 from hotlap.tuning.candidate import Candidate, reported_scores, summarise
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.selection import FINALISTS, Contenders, Selection, merit
 from hotlap.tuning.settings import TuningSettings
+FEW = 4  # candidates of a population that are confirmed
+
 
 
 @dataclass(frozen=True)
@@ -169,12 +172,13 @@ class Tuning:
             ledger = yield from (self._finish(self.best) if self._selected else self._select())
             return self._report(ledger, ())
         each = self.settings.flights_each
-        parameters = self.tuner.ask(max(1, min(self.settings.batch, (self.settings.budget - self.flights) // each)))
+        ask = partial(asked_together, self.tuner) if self.settings.minutes else self.tuner.ask
+        parameters = ask(max(1, min(self.settings.batch, (self.settings.budget - self.flights) // each)))
         ledger, scores = yield from self._fly(Stream.SEARCH, np.repeat(parameters, each, axis=0))
         ledgers, flown = [ledger], [scores.rows(slice(i, i + each)) for i in range(0, len(scores), each)]
         before, confirmed, validation, failed = self.search_flights, None, None, {}
         self.search_flights += len(scores)
-        for i in np.flatnonzero(self.settings.goal.met(scores).reshape(-1, each).all(axis=1)).tolist():
+        for i in self._promising(flown):
             flown[i], again = yield from self._confirm(parameters[i], flown[i])
             ledgers += again
             if not self._is_confirmed(flown[i]):
@@ -182,11 +186,12 @@ class Tuning:
             if self.settings.validation:
                 validation, ledger, repeats = yield from self._validate(parameters[i])
                 ledgers.append(ledger)
-                if validation.rate < self.settings.reliability:
+                if validation.rate < self.settings.wanted:
                     flown[i] = Scores.join([flown[i], repeats])
                     failed[i] = validation
                     continue
-            confirmed, self.search_flights = i, before + (i + 1) * each
+            confirmed, validation = i, None if self.settings.minutes else validation  # of many, the luckiest: it is validated again
+            self.search_flights = before + (len(scores) if self.settings.minutes else (i + 1) * each)
             break
         reported = Scores.join([reported_scores(scores, self.settings.goal) for scores in flown])
         ledgers[0] = ledgers[0].accept(np.repeat(self.tuner.tell(parameters, reported), each))
@@ -196,12 +201,17 @@ class Tuning:
         self._consider(parameters, flown, rates)
         return self._report(Ledger.join(ledgers), tuple(failed.values()))
 
+    def _promising(self, flown: Sequence[Scores]) -> list[int]:
+        """Candidates that met the goal in all their flights, in the order to be confirmed; of a population, the best few."""
+        met = [i for i, scores in enumerate(flown) if self.settings.goal.met(scores).all()]
+        return sorted(met, key=lambda i: float(flown[i].dense.mean()))[:FEW] if self.settings.minutes else met
+
     def _finish(self, best: Candidate) -> Generator[Request, Scores, Ledger]:
         """Validate the result; one that was chosen by flights of its own is confirmed by as many successes as any other."""
         self.validation, ledger, _ = yield from self._validate(best.parameters)
-        chosen = self._selected_at == self.flights and self.settings.goal.quantity is not Quantity.NONE
-        if chosen and self.validation.rate >= self.settings.reliability > 0:
-            self.best = replace(best, confirmed=True)
+        chosen = self._selected_at == self.flights
+        if (chosen or self.settings.minutes) and self.settings.reliability and self.settings.goal.quantity is not Quantity.NONE:
+            self.best = replace(best, confirmed=self.validation.rate >= self.settings.reliability)
         return ledger
 
     def _select(self) -> Generator[Request, Scores, Ledger]:

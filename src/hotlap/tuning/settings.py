@@ -12,6 +12,7 @@ from hotlap.tuning.goal import Goal
 CONFIRMATIONS = 4  # "flown four times more", Sec. IV-A
 SAMPLES = 4  # flights of a candidate, where vehicles differ
 SAMPLES_TOGETHER = 8  # likewise, where populations are flown
+WANTED = 0.985  # success rate at which a search of some minutes ends before them
 MOST_MINUTES = 7 * 24 * 60
 
 
@@ -49,6 +50,11 @@ class TuningSettings:
     def flights_each(self) -> int:
         """Flights of a candidate in the search, before its re-flights."""
         return self.samples or ((SAMPLES_TOGETHER if self.minutes else SAMPLES) if self.randomise else 1)
+
+    @property
+    def wanted(self) -> float:
+        """Share of the validation that ends the search: with time left it goes on for more than is needed."""
+        return max(self.reliability, WANTED) if self.minutes and self.reliability else self.reliability
 
     def __post_init__(self) -> None:
         for name, least, largest in (
