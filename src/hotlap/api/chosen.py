@@ -49,19 +49,20 @@ def leaves_open(race: Race, settings: TuningSettings, asked: Asked) -> bool:
     return race.planning.free and asked.reference is None and settings.goal.quantity is not Quantity.NONE and enough
 
 
+def plan_of(folder: Path) -> tuple[float | None, tuple[TriedPlan, ...]]:
+    """The share of the thrust that the race of a study is planned with, and the plans that were tried before it was chosen."""
+    with Study.read(folder) as study:
+        return study.configuration.scenario.race.planning.thrust_share, tuple(study.plans)
+
+
 def choose_plan(
     race: Race, world: World, settings: TuningSettings, configure: Configure, folder: Path, asked: Asked
 ) -> tuple[Configuration, tuple[TriedPlan, ...]]:
-    """How a race is tuned with the plan that is chosen for it, and the plans that were tried; a study that is there has its plan already.
+    """How a race is tuned with the plan that is chosen for it, and the plans that were tried.
 
     Raises:
         PlanningError: there is no plan with any share of the thrust.
     """
-    if (folder / FILE).exists():
-        with Study.read(folder) as study:
-            share, plans = study.configuration.scenario.race.planning.thrust_share, tuple(study.plans)
-        others = sum(plan.flights for plan in plans if plan.share != share)
-        return configure(race if share is None else race.with_share(share), replace(settings, budget=settings.budget - others)), plans
     choice = PlanChoice(race, world, settings, configure, folder, asked)
     chosen = choice.choose()
     return (configure(race, settings), ()) if chosen is None else (choice.settle(chosen), tuple(choice.plans))
@@ -102,12 +103,13 @@ class PlanChoice:
 
     def settle(self, chosen: TriedPlan) -> Configuration:
         """Make the study of the chosen plan that of the race, with all flights that are left."""
-        target, source = self.folder / FILE, self.folder / PLANS / _name(chosen.share) / FILE
-        if not target.exists():
-            part = target.with_suffix(".part")
-            shutil.copyfile(source, part)
-            part.replace(target)
-        configuration = self._configurations[chosen.share]
+        configuration, place = self._configurations[chosen.share], self.folder / PLANS / _name(chosen.share)
+        with Study.open(place, self._configurations[chosen.share]) as study:
+            study.record_plans(self.plans)
+        (place / FILE).replace(self.folder / FILE)
+        shutil.rmtree(place, ignore_errors=True)
+        with suppress(OSError):  # the others stay, to be looked at
+            (self.folder / PLANS).rmdir()
         return replace(configuration, settings=replace(configuration.settings, budget=self.left + chosen.flights))
 
     def _attempt(self, share: float) -> TriedPlan | None:
