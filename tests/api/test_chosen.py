@@ -55,13 +55,15 @@ def no_page(monkeypatch, request):
         monkeypatch.setattr("hotlap.api.tuned._report", lambda *_: ((), None))
 
 
-def test_the_page_says_which_plan_was_chosen_and_why(world):
+@pytest.mark.usefixtures("world")
+def test_the_page_says_which_plan_was_chosen_and_why():
     page = tune("open.toml", out="mine").report
     assert page is not None
     assert "planned with 75 % of the thrust: 5.00 s; at 85 % 50 of 50 flights missed gate 1" in page.read_text(encoding="utf-8")
 
 
-def test_the_boldest_plan_that_holds_is_tuned_and_the_study_says_so(world, here):
+@pytest.mark.usefixtures("world")
+def test_the_boldest_plan_that_holds_is_tuned_and_the_study_says_so(here):
     tuned = tune("open.toml", out="mine")
     assert tuned.confirmed
     assert [(plan.share, plan.holds) for plan in tuned.plans] == [(0.92, False), (0.85, False), (0.65, True), (0.75, True)]
@@ -101,7 +103,7 @@ class Stopping(Quiet):
     def __init__(self, batches: int) -> None:
         self.left = batches
 
-    def flights(self, budget, flown):
+    def flights(self, *_):
         def watch(_):
             self.left -= 1
             if self.left == 0:
@@ -110,8 +112,9 @@ class Stopping(Quiet):
         return nullcontext(watch)
 
 
+@pytest.mark.usefixtures("world")
 @pytest.mark.parametrize("batches", [1, 3, 5])
-def test_a_choice_that_was_stopped_goes_on_and_ends_the_same(world, batches):
+def test_a_choice_that_was_stopped_goes_on_and_ends_the_same(batches):
     whole = tune("open.toml", out="whole")
     with pytest.raises(KeyboardInterrupt) as stopped:
         tune("open.toml", out="parts", progress=Stopping(batches))
@@ -121,7 +124,8 @@ def test_a_choice_that_was_stopped_goes_on_and_ends_the_same(world, batches):
     np.testing.assert_array_equal(parts.values, whole.values)
 
 
-def test_parameters_are_flown_with_the_plan_that_they_were_tuned_on(world):
+@pytest.mark.usefixtures("world")
+def test_parameters_are_flown_with_the_plan_that_they_were_tuned_on():
     tune("open.toml", out="mine")
     assert load_parameters("mine").provenance["thrust_share"] == 0.75
     assert hotlap.fly("open.toml", parameters="mine", flights=5).scenario.race.planning.thrust_share == 0.75
@@ -130,7 +134,8 @@ def test_parameters_are_flown_with_the_plan_that_they_were_tuned_on(world):
     assert hotlap.fly(other, parameters="mine", flights=5).scenario.race.planning.free, "another race's plan is not its own"
 
 
-def test_a_plan_that_the_race_fixes_is_tuned_as_it_is(world):
+@pytest.mark.usefixtures("world")
+def test_a_plan_that_the_race_fixes_is_tuned_as_it_is():
     race = load_race("open.toml")
     assert tune(race.with_share(0.9), out="mine", budget=40).plans == ()
     assert tune(race, out="two", budget=10).plans == (), "too few flights to choose by"

@@ -28,6 +28,7 @@ from hotlap.study.configuration import Configuration
 from hotlap.study.database import FILE
 from hotlap.study.study import Study
 from hotlap.study.tried_plan import TriedPlan, chosen_of
+from hotlap.tuning.candidate import Candidate
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.loop import Batch, TuningSettings
 from hotlap.tuning.objective import Objective
@@ -133,6 +134,8 @@ class PlanChoice:
         objective = Objective(configuration.scenario, self.world, configuration.metric, configuration.settings.randomise)
         with Study.open(self.folder / PLANS / _name(share), configuration) as study, suppress(_Hopeless):
             before = study.result
+            if before is not None and _is_hopeless(before.flights, before.best):
+                raise _Hopeless
             with self.asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
                 study.run(objective, _patient(watch))
         with Study.read(self.folder / PLANS / _name(share)) as study:
@@ -163,10 +166,15 @@ def _patient(watch: Callable[[Batch], None]) -> Callable[[Batch], None]:
 
     def see(batch: Batch) -> None:
         watch(batch)
-        if batch.flights >= PATIENCE and batch.best.completion < HALF and not batch.done:
+        if _is_hopeless(batch.flights, batch.best):
             raise _Hopeless
 
     return see
+
+
+def _is_hopeless(flights: int, best: Candidate) -> bool:
+    """Whether a search has had its time, and no candidate passes enough gates."""
+    return flights >= PATIENCE and best.completion < HALF and not best.confirmed
 
 
 def _how_it_ends(configuration: Configuration, world: World, parameters: Parameters) -> str:
