@@ -19,6 +19,8 @@ from hotlap.analysis.robustness import HELD, fly_conditions
 from hotlap.api.asked import Asked
 from hotlap.api.flown import FlightsResult
 from hotlap.api.scenarios import make_ready
+from hotlap.api.wording import percent
+from hotlap.core.counts import count
 from hotlap.core.errors import PlanningError
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream, flight_seeds
@@ -32,13 +34,15 @@ from hotlap.tuning.candidate import Candidate
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.loop import Batch, TuningSettings
 from hotlap.tuning.objective import Objective
+from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.world import World
 
 PLANS = "plans"  # folder of the studies of all plans, within that of the race
+CALMER = 0.97  # of a share of the thrust, for a plan to be called calmer
 PARTS = 4  # of the budget: what one plan may take at most
 FEWEST = 20  # flights of a plan beside its re-flights
 PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
-UNSEEN = 300_000  # first of the flights that tell whether conditions hold: no others are flown with their noise
+UNSEEN = 300_000  # first of the flights that tell whether parameters hold: nothing was chosen by their noise
 TOLD = 50  # flights that tell how a plan fails
 
 Configure = Callable[[Race, TuningSettings], Configuration]
@@ -69,6 +73,24 @@ def choose_plan(
     return (configure(race, settings), ()) if chosen is None else (choice.settle(chosen), tuple(choice.plans))
 
 
+def advise_calmer(race: Race, world: World, settings: TuningSettings, configure: Configure, folder: Path, asked: Asked) -> tuple[str, ...]:
+    """Which plan would hold where the one that a race fixes does not: calmer ones are tuned, beside the budget.
+
+    Nothing where the plan is another's, or where flights are not free.
+    """
+    if race.planning.quadrotor is not None or asked.reference is not None or not isinstance(world, BuiltIn):
+        return ()
+    choice = PlanChoice(race, world, settings, configure, folder, asked)
+    chosen = choice.choose(below=race.thrust_share * CALMER)
+    if chosen is None:
+        return ()
+    if chosen.holds:
+        beside = count(sum(plan.flights for plan in choice.plans), "flight")
+        return (f"a calmer plan holds: planning.thrust_share = {chosen.share:g}: {chosen.lap_time:.2f} s (found in {beside} more)",)
+    shares = ", ".join(f"{plan.share:g}" for plan in choice.plans)
+    return (f"no calmer plan was found that holds: planning.thrust_share = {shares} tried",)
+
+
 @dataclass
 class PlanChoice:
     """The search for the plan of a race.
@@ -92,9 +114,9 @@ class PlanChoice:
     plans: list[TriedPlan] = field(default_factory=list)
     _configurations: dict[float, Configuration] = field(default_factory=dict, init=False)
 
-    def choose(self) -> TriedPlan | None:
-        """Try plans; None where there is none at all."""
-        find_boldest(shares_of(self.race), self._attempt)
+    def choose(self, below: float = 1.0) -> TriedPlan | None:
+        """Try plans that take less than a share of the thrust; None where there is none at all."""
+        find_boldest(shares_of(self.race, below), self._attempt)
         return chosen_of(self.plans)
 
     @property
@@ -150,11 +172,20 @@ class PlanChoice:
         told = TriedPlan(share, lap, result.flights, rate, holds=False)
         if not result.best.confirmed or rate is None or rate < HELD:
             return replace(told, end=_how_it_ends(configuration, self.world, result.best.parameters))
-        conditions, settings = parse_hold(self.asked.hold), configuration.settings
+        lost = self._lost(configuration, result.best.parameters)
+        return replace(told, holds=not lost, end=lost)
+
+    def _lost(self, configuration: Configuration, parameters: Parameters) -> str:
+        """Why parameters do not hold in flights that they were not chosen by, as tuned and under what was asked for; "" where they do."""
+        settings, conditions = configuration.settings, parse_hold(self.asked.hold)
         seeds = flight_seeds(settings.seed, Stream.DEMONSTRATION, UNSEEN, settings.validation)
-        flown = fly_conditions(configuration.scenario, self.world, result.best.parameters, seeds, conditions)
+        objective = Objective(configuration.scenario, self.world, configuration.metric, settings.randomise)
+        again = float(settings.goal.succeeded(objective.fly(np.repeat(parameters[None], len(seeds), axis=0), seeds)).mean())
+        if again < HELD:
+            return f"{percent(again)} of further flights succeed"
+        flown = fly_conditions(configuration.scenario, self.world, parameters, seeds, conditions) if conditions else {}
         lost = [condition.name for condition, scores in flown.items() if settings.goal.succeeded(scores).mean() < HELD]
-        return replace(told, holds=not lost, end=f"it does not hold under {', '.join(lost)}" if lost else "")
+        return f"it does not hold under {', '.join(lost)}" if lost else ""
 
 
 class _Hopeless(Exception):  # noqa: N818  no error

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from hotlap import tuners, worlds
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
-from hotlap.api.chosen import choose_plan, leaves_open, plan_of
+from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, plan_of
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -192,6 +192,8 @@ def carry_out(asked: Asked) -> TuningResult:
     waited, again = before + time.perf_counter() - begun, _again(asked, folder)
     scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
     hints = advice(scenario.race, scenario.reference) if told else ()
+    if not (chosen or plans or result.best.confirmed or result.goal == Quantity.NONE):
+        hints += advise_calmer(job.race, job.world, job.settings, job.configuration, folder, asked)
     return TuningResult(scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans)
 
 
