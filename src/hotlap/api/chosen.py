@@ -19,6 +19,8 @@ from hotlap.analysis.robustness import HELD, fly_conditions
 from hotlap.api.asked import Asked
 from hotlap.api.flown import FlightsResult
 from hotlap.api.scenarios import make_ready
+from hotlap.api.wording import percent
+from hotlap.core.counts import count
 from hotlap.core.errors import PlanningError
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream, flight_seeds
@@ -28,16 +30,19 @@ from hotlap.study.configuration import Configuration
 from hotlap.study.database import FILE
 from hotlap.study.study import Study
 from hotlap.study.tried_plan import TriedPlan, chosen_of
+from hotlap.tuning.candidate import Candidate
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.loop import Batch, TuningSettings
 from hotlap.tuning.objective import Objective
+from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.world import World
 
 PLANS = "plans"  # folder of the studies of all plans, within that of the race
+CALMER = 0.97  # of a share of the thrust, for a plan to be called calmer
 PARTS = 4  # of the budget: what one plan may take at most
 FEWEST = 20  # flights of a plan beside its re-flights
 PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
-UNSEEN = 300_000  # first of the flights that tell whether conditions hold: no others are flown with their noise
+UNSEEN = 300_000  # first of the flights that tell whether parameters hold: nothing was chosen by their noise
 TOLD = 50  # flights that tell how a plan fails
 
 Configure = Callable[[Race, TuningSettings], Configuration]
@@ -49,22 +54,41 @@ def leaves_open(race: Race, settings: TuningSettings, asked: Asked) -> bool:
     return race.planning.free and asked.reference is None and settings.goal.quantity is not Quantity.NONE and enough
 
 
+def plan_of(folder: Path) -> tuple[float | None, tuple[TriedPlan, ...]]:
+    """The share of the thrust that the race of a study is planned with, and the plans that were tried before it was chosen."""
+    with Study.read(folder) as study:
+        return study.configuration.scenario.race.planning.thrust_share, tuple(study.plans)
+
+
 def choose_plan(
     race: Race, world: World, settings: TuningSettings, configure: Configure, folder: Path, asked: Asked
 ) -> tuple[Configuration, tuple[TriedPlan, ...]]:
-    """How a race is tuned with the plan that is chosen for it, and the plans that were tried; a study that is there has its plan already.
+    """How a race is tuned with the plan that is chosen for it, and the plans that were tried.
 
     Raises:
         PlanningError: there is no plan with any share of the thrust.
     """
-    if (folder / FILE).exists():
-        with Study.read(folder) as study:
-            share, plans = study.configuration.scenario.race.planning.thrust_share, tuple(study.plans)
-        others = sum(plan.flights for plan in plans if plan.share != share)
-        return configure(race if share is None else race.with_share(share), replace(settings, budget=settings.budget - others)), plans
     choice = PlanChoice(race, world, settings, configure, folder, asked)
     chosen = choice.choose()
     return (configure(race, settings), ()) if chosen is None else (choice.settle(chosen), tuple(choice.plans))
+
+
+def advise_calmer(race: Race, world: World, settings: TuningSettings, configure: Configure, folder: Path, asked: Asked) -> tuple[str, ...]:
+    """Which plan would hold where the one that a race fixes does not: calmer ones are tuned, beside the budget.
+
+    Nothing where the plan is another's, or where flights are not free.
+    """
+    if race.planning.quadrotor is not None or asked.reference is not None or not isinstance(world, BuiltIn):
+        return ()
+    choice = PlanChoice(race, world, settings, configure, folder, asked)
+    chosen = choice.choose(below=race.thrust_share * CALMER)
+    if chosen is None:
+        return ()
+    if chosen.holds:
+        beside = count(sum(plan.flights for plan in choice.plans), "flight")
+        return (f"a calmer plan holds: planning.thrust_share = {chosen.share:g}: {chosen.lap_time:.2f} s (found in {beside} more)",)
+    shares = ", ".join(f"{plan.share:g}" for plan in choice.plans)
+    return (f"no calmer plan was found that holds: planning.thrust_share = {shares} tried",)
 
 
 @dataclass
@@ -90,9 +114,9 @@ class PlanChoice:
     plans: list[TriedPlan] = field(default_factory=list)
     _configurations: dict[float, Configuration] = field(default_factory=dict, init=False)
 
-    def choose(self) -> TriedPlan | None:
-        """Try plans; None where there is none at all."""
-        find_boldest(shares_of(self.race), self._attempt)
+    def choose(self, below: float = 1.0) -> TriedPlan | None:
+        """Try plans that take less than a share of the thrust; None where there is none at all."""
+        find_boldest(shares_of(self.race, below), self._attempt)
         return chosen_of(self.plans)
 
     @property
@@ -102,12 +126,13 @@ class PlanChoice:
 
     def settle(self, chosen: TriedPlan) -> Configuration:
         """Make the study of the chosen plan that of the race, with all flights that are left."""
-        target, source = self.folder / FILE, self.folder / PLANS / _name(chosen.share) / FILE
-        if not target.exists():
-            part = target.with_suffix(".part")
-            shutil.copyfile(source, part)
-            part.replace(target)
-        configuration = self._configurations[chosen.share]
+        configuration, place = self._configurations[chosen.share], self.folder / PLANS / _name(chosen.share)
+        with Study.open(place, self._configurations[chosen.share]) as study:
+            study.record_plans(self.plans)
+        (place / FILE).replace(self.folder / FILE)
+        shutil.rmtree(place, ignore_errors=True)
+        with suppress(OSError):  # the others stay, to be looked at
+            (self.folder / PLANS).rmdir()
         return replace(configuration, settings=replace(configuration.settings, budget=self.left + chosen.flights))
 
     def _attempt(self, share: float) -> TriedPlan | None:
@@ -131,6 +156,8 @@ class PlanChoice:
         objective = Objective(configuration.scenario, self.world, configuration.metric, configuration.settings.randomise)
         with Study.open(self.folder / PLANS / _name(share), configuration) as study, suppress(_Hopeless):
             before = study.result
+            if before is not None and _is_hopeless(before.flights, before.best):
+                raise _Hopeless
             with self.asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
                 study.run(objective, _patient(watch))
         with Study.read(self.folder / PLANS / _name(share)) as study:
@@ -145,11 +172,20 @@ class PlanChoice:
         told = TriedPlan(share, lap, result.flights, rate, holds=False)
         if not result.best.confirmed or rate is None or rate < HELD:
             return replace(told, end=_how_it_ends(configuration, self.world, result.best.parameters))
-        conditions, settings = parse_hold(self.asked.hold), configuration.settings
+        lost = self._lost(configuration, result.best.parameters)
+        return replace(told, holds=not lost, end=lost)
+
+    def _lost(self, configuration: Configuration, parameters: Parameters) -> str:
+        """Why parameters do not hold in flights that they were not chosen by, as tuned and under what was asked for; "" where they do."""
+        settings, conditions = configuration.settings, parse_hold(self.asked.hold)
         seeds = flight_seeds(settings.seed, Stream.DEMONSTRATION, UNSEEN, settings.validation)
-        flown = fly_conditions(configuration.scenario, self.world, result.best.parameters, seeds, conditions)
+        objective = Objective(configuration.scenario, self.world, configuration.metric, settings.randomise)
+        again = float(settings.goal.succeeded(objective.fly(np.repeat(parameters[None], len(seeds), axis=0), seeds)).mean())
+        if again < HELD:
+            return f"{percent(again)} of further flights succeed"
+        flown = fly_conditions(configuration.scenario, self.world, parameters, seeds, conditions) if conditions else {}
         lost = [condition.name for condition, scores in flown.items() if settings.goal.succeeded(scores).mean() < HELD]
-        return replace(told, holds=not lost, end=f"it does not hold under {', '.join(lost)}" if lost else "")
+        return f"it does not hold under {', '.join(lost)}" if lost else ""
 
 
 class _Hopeless(Exception):  # noqa: N818  no error
@@ -161,10 +197,15 @@ def _patient(watch: Callable[[Batch], None]) -> Callable[[Batch], None]:
 
     def see(batch: Batch) -> None:
         watch(batch)
-        if batch.flights >= PATIENCE and batch.best.completion < HALF and not batch.done:
+        if _is_hopeless(batch.flights, batch.best):
             raise _Hopeless
 
     return see
+
+
+def _is_hopeless(flights: int, best: Candidate) -> bool:
+    """Whether a search has had its time, and no candidate passes enough gates."""
+    return flights >= PATIENCE and best.completion < HALF and not best.confirmed
 
 
 def _how_it_ends(configuration: Configuration, world: World, parameters: Parameters) -> str:

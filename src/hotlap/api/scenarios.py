@@ -51,6 +51,9 @@ def make_scenario(race: Race, asked: Asked, *, cache: bool = True) -> Scenario:
         scenario = prepare(race, reference, cache=cache, segments=rule)
     for note in scenario.notes:
         asked.progress.note(f"note: {note}")
+    if race.planning.free and reference is None:
+        share = f"{100 * race.thrust_share:.0f} % of the thrust (planning.thrust_share)"
+        asked.progress.note(f"note: {race.name} fixes no plan: planned with {share}; hotlap tune chooses the boldest that holds")
     return scenario
 
 

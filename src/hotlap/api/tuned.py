@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
-from hotlap.api.chosen import choose_plan, leaves_open
+from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, plan_of
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -168,10 +168,11 @@ def carry_out(asked: Asked) -> TuningResult:
     """Tune from wherever the study stands, and keep what came of it."""
     begun = time.perf_counter()
     job = _check(asked)
-    folder, plans, fresh = as_path(asked.out), (), False
-    if leaves_open(job.race, job.settings, asked):
-        folder = folder or new_folder(job.race.name)
-        fresh = not (folder / FILE).exists()
+    folder, plans, chosen = as_path(asked.out), (), False
+    if folder is not None and (folder / FILE).exists():
+        configuration, plans = _go_on(job, folder)
+    elif leaves_open(job.race, job.settings, asked):
+        folder, chosen = folder or new_folder(job.race.name), True
         with asked.remarked("go on", out=folder):
             configuration, plans = choose_plan(job.race, job.world, job.settings, job.configuration, folder, asked)
     else:
@@ -183,10 +184,8 @@ def carry_out(asked: Asked) -> TuningResult:
         Study.open(folder, configuration, hold=asked.hold) as study,
     ):
         study.keep_command(asked.command(out=None, hold=study.hold))
-        before = 0.0 if fresh else study.wall_time
-        if plans:
-            study.record_plans(plans)
-        result = _tune(study, job.world, asked, begun=bool(plans) and fresh)
+        before = 0.0 if chosen else study.wall_time
+        result = _tune(study, job.world, asked, begun=chosen)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
         robustness, report = _report(study, job.world, asked)
@@ -194,7 +193,20 @@ def carry_out(asked: Asked) -> TuningResult:
     waited, again = before + time.perf_counter() - begun, _again(asked, folder)
     scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
     hints = advice(scenario.race, scenario.reference) if told else ()
+    if not (chosen or plans or result.best.confirmed or result.goal == Quantity.NONE):
+        hints += advise_calmer(job.race, job.world, job.settings, job.configuration, folder, asked)
     return TuningResult(scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans)
+
+
+def _go_on(job: _Job, folder: Path) -> tuple[Configuration, tuple[TriedPlan, ...]]:
+    """How the race of a study that is there is tuned: where it fixes no plan, with that of the study and what is left of the budget."""
+    share, plans, race, settings = *plan_of(folder), job.race, job.settings
+    if race.planning.free and share is not None and job.asked.reference is None:
+        race = race.with_share(share)
+        others = sum(plan.flights for plan in plans if plan.share != share)
+        settings = replace(settings, budget=max(settings.budget - others, 1))
+    with job.asked.remarked("begin again"):
+        return job.configuration(race, settings), plans
 
 
 @dataclass(frozen=True)
@@ -272,8 +284,7 @@ def _tune(study: Study, world: World, asked: Asked, *, begun: bool) -> Result:
     objective = Objective(configuration.scenario, world, configuration.metric, configuration.settings.randomise)
     with asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
         result = study.run(objective, watch)
-    told = describe_beginning(configuration, study.flights())
-    if told:
+    if told := describe_beginning(configuration, study.flights()) if begun or before is None else "":
         asked.progress.note(f"note: {told}")
     return result
 

@@ -13,7 +13,6 @@ from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
 from hotlap.reference.segmentation import Segments
 
-
 LEAST_MARGIN = 1.0  # of thrust, from which on offset-free control helps
 
 

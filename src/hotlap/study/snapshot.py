@@ -14,7 +14,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.study.configuration import GIVEN, Configuration
 from hotlap.study.result import Result
 from hotlap.study.study import Study
-from hotlap.study.tried_plan import TriedPlan
+from hotlap.study.tried_plan import TriedPlan, describe_choice
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,12 @@ class Snapshot:
     command: str
     hold: str = ""
     plans: tuple[TriedPlan, ...] = ()
+
+    @property
+    def remark(self) -> str:
+        """Which plan was chosen, where one was, and the tuner's own remark."""
+        told = describe_choice(self.plans), "" if self.result is None else self.result.remark
+        return ". ".join(part for part in told if part)
 
     @property
     def best(self) -> Parameters:

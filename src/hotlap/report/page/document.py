@@ -89,7 +89,8 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "confirm": settings.confirm,
         "validation": None if result is None or result.validation is None else _validation(result.validation),
         "wall_time": None if result is None else number(result.wall_time),
-        "remark": "" if result is None else result.remark,
+        "remark": snapshot.remark,
+        "plans": [plan.dump() for plan in snapshot.plans],
     }
 
 
