@@ -143,3 +143,10 @@ def test_a_world_that_flies_the_vehicle_that_it_has_holds_nothing(hotlap, monkey
     monkeypatch.setattr(worlds, "build", fake_hotlap.build)
     ran = hotlap("tune", "straight.toml", "--hold", "mass=+10%")
     assert (ran.code, ran.err) == (2, "hotlap: --hold: fake flies the vehicle that it has\n")
+
+
+@pytest.mark.parametrize("command", ["tune", "fly", "compare"])
+def test_help_shows_what_may_be_asked_for(hotlap, command):
+    ran = hotlap(command, "--help")
+    assert ran.code == 0
+    assert "mass=+-10%, thrust=-20%, delay=+20ms" in " ".join(ran.out.split())

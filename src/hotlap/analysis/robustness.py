@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,9 @@ from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.feasibility.margins import Margin, margin
 from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition, join_conditions
-from hotlap.race.race import NoiseSettings
-from hotlap.race.vehicle_parameters import vehicle_parameters_of
 from hotlap.reference.scenario import Scenario
 from hotlap.tuning.goal import Goal
-from hotlap.tuning.scoring import score
+from hotlap.tuning.under_conditions import fly_under
 from hotlap.worlds.world import World
 
 FLIGHTS = 50  # under each condition
@@ -114,7 +112,7 @@ def _explain(row: Robustness, scenario: Scenario, world: World, goal: Goal, para
 def fly_conditions(
     scenario: Scenario, world: World, parameters: Parameters, seeds: NDArray[np.int64], conditions: Sequence[Condition]
 ) -> dict[Condition, Scores]:
-    """Fly parameters under conditions, those of the same noise in one batch.
+    """Fly parameters under conditions.
 
     Args:
         scenario: what is flown.
@@ -123,19 +121,9 @@ def fly_conditions(
         seeds: of the flights under each condition.
         conditions: each once.
     """
-    race, found = scenario.race, {}
-    noises: dict[str, tuple[NoiseSettings, list[Condition]]] = {}
-    for condition in conditions:
-        noise = condition.noise(race.noise)
-        noises.setdefault(noise.fingerprint, (noise, []))[1].append(condition)
-    for noise, alike in noises.values():
-        vehicles = np.stack([condition.vehicle_parameters(vehicle_parameters_of(race.vehicle)) for condition in alike])
-        flown = world.fly(
-            replace(scenario, race=race.model_copy(update={"noise": noise})),
-            np.repeat(parameters[None], len(seeds) * len(alike), axis=0),
-            np.tile(seeds, len(alike)),
-            vehicle_parameters=np.repeat(vehicles, len(seeds), axis=0),
-        )
-        scores = score(flown, race.judge)
-        found |= {condition: scores.rows(slice(i * len(seeds), (i + 1) * len(seeds))) for i, condition in enumerate(alike)}
-    return found
+    if not conditions:
+        return {}
+    each, repeated = len(seeds), np.repeat(parameters[None], len(seeds) * len(conditions), axis=0)
+    one_by_one = [condition for condition in conditions for _ in range(each)]
+    scores = fly_under(scenario, world, repeated, np.tile(seeds, len(conditions)), one_by_one)
+    return {condition: scores.rows(slice(i * each, (i + 1) * each)) for i, condition in enumerate(conditions)}

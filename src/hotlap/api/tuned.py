@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
 from hotlap.api.asked import Asked, command_line
+from hotlap.api.beginning import begin, begun_with, describe_beginning
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
-from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario, read_guess
+from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario
 from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
@@ -27,6 +28,7 @@ from hotlap.feasibility.demands import advice
 from hotlap.feasibility.race import loose_judge
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
 from hotlap.files.parameters_file import Remark, SavedParameters
+from hotlap.first_guess.names import LEARNED
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
 from hotlap.study.result import Result
@@ -57,7 +59,7 @@ class TuningResult(Outcome):
         scenario: race, reference and segments that were flown.
         result: flights, best parameters and their validation.
         world: where the flights took place.
-        first_guess: what the search began with, as it was asked for.
+        first_guess: what the search began with, as it was asked for; else the better of two guesses.
         folder: of the study: every flight, the parameters, the page.
         parameters: the file of the parameters.
         report: the page; None where it could not be written.
@@ -175,7 +177,8 @@ def carry_out(asked: Asked) -> TuningResult:
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
         robustness, report = _report(study, world, asked)
-    waited, again, guess = before + time.perf_counter() - begun, _again(asked, folder), str(asked.first_guess)
+        guess = begun_with(study.configuration, study.flights())
+    waited, again = before + time.perf_counter() - begun, _again(asked, folder)
     scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
     hints = advice(scenario.race, scenario.reference) if told else ()
     return TuningResult(scenario, result, world.name, guess, folder, file, report, robustness, again, waited, hints)
@@ -188,7 +191,7 @@ def _configure(asked: Asked) -> tuple[World, Configuration]:
     if asked.randomise and not world.takes_vehicle_parameters:
         raise InputError("", "randomise", f"{world.name} flies the vehicle that it has")
     check_source(as_path(asked.reference))
-    check_guess(str(asked.first_guess))
+    check_guess(str(asked.first_guess or LEARNED))
     _check_folder(as_path(asked.out))
     race = load(asked.race, asked.controller)
     read_hold(asked.hold, race, world)
@@ -197,9 +200,9 @@ def _configure(asked: Asked) -> tuple[World, Configuration]:
     loose = loose_judge(scenario.race) if asked.reference is None else ""
     if loose:
         asked.progress.note(f"note: {loose}")
-    first = read_guess(str(asked.first_guess), scenario, asked.progress)
-    name = str(asked.first_guess)
-    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first, first_guess_name=name)
+    name, first, rival = begin(asked, scenario)
+    kept = {"first_guess_name": name, "rival": rival}
+    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first, **kept)
 
 
 def _goal(text: str) -> Goal:
@@ -225,12 +228,17 @@ def _tune(study: Study, world: World, asked: Asked) -> Result:
     if before is not None:
         asked.progress.note(f"{study.folder}: going on after {count(before.flights, 'flight')}")
     elif isinstance(world, BuiltIn):  # where flights cost nothing
-        doom = say_doom(configuration.scenario, world, configuration.first_guess)
+        guesses = (guess for guess in (configuration.first_guess, configuration.rival) if guess is not None)
+        doom = say_doom(configuration.scenario, world, *guesses)
         if doom:
             asked.progress.note(f"note: {doom}")
     objective = Objective(configuration.scenario, world, configuration.metric, configuration.settings.randomise)
     with asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
-        return study.run(objective, watch)
+        result = study.run(objective, watch)
+    told = describe_beginning(configuration, study.flights())
+    if told:
+        asked.progress.note(f"note: {told}")
+    return result
 
 
 def _saved(study: Study, result: Result) -> SavedParameters:

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from hotlap import tuners, worlds
-from hotlap.analysis.fastest import RELIABLE, PlanSettings, fastest, judge_plan, try_plan
+from hotlap.analysis.fastest import RELIABLE, fastest
+from hotlap.analysis.plan_trials import PlanSettings, judge_plan, try_plan
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds

@@ -54,6 +54,7 @@ EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
         "vehicle": {"base": "hummingbird", "delay": 0.045},
         "model": "hummingbird",
         "planning.quadrotor": "airsim-plan",
+        "planning.thrust_share": 0.75,
         "planning.v_max": 20.0,
         "planning.clearance": 0.1,
         "planning.ramp.distance": 35.0,

@@ -69,7 +69,7 @@ def _rebuild(configuration: Configuration) -> str:
     words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
     name = "default" if begins_at_default(configuration) else configuration.first_guess_name
-    return shlex.join(words if name == GIVEN else [*words, "--first-guess", name])
+    return shlex.join(words if name == GIVEN or configuration.rival is not None else [*words, "--first-guess", name])
 
 
 def begins_at_default(configuration: Configuration) -> bool:

@@ -21,12 +21,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from hotlap import tuners
 from hotlap.core.errors import InputError, StudyError
 from hotlap.core.ledger import Ledger
 from hotlap.core.seeds import Stream
 from hotlap.core.version import __version__
-from hotlap.study.configuration import Configuration, first_difference, load_configuration, pack_reference, unpack_reference
+from hotlap.study.configuration import Configuration, first_difference, load_configuration, load_rival, pack_reference, unpack_reference
 from hotlap.study.database import FILE, Database
 from hotlap.study.increments import grow, increment
 from hotlap.study.result import Result
@@ -125,7 +124,7 @@ class Study:
     def tuning(self) -> Tuning:
         """The run after the last recorded batch, ready to be continued."""
         asked = self.configuration
-        return Tuning(tuners.build(asked.tuner), asked.scenario, asked.settings, asked.first_guess, self._recorded_state())
+        return Tuning(asked.build_tuner(), asked.scenario, asked.settings, asked.first_guess, self._recorded_state())
 
     @property
     def wall_time(self) -> float:
@@ -260,7 +259,7 @@ class Study:
         if asked["budget"] < plain["budget"]:
             reason = f"this study has {plain['budget']} flights and may be given more, not {asked['budget']}"
             raise StudyError(str(self.folder), "budget", reason)
-        self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"])
+        self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"], rival=load_rival(plain))
         with self._transaction():
             self._enter("configuration", json.dumps({**plain, "budget": asked["budget"]}, allow_nan=False))
             self._note_opening()

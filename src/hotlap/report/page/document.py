@@ -169,7 +169,7 @@ def _configuration(snapshot: Snapshot) -> dict[str, Any]:
     asked = snapshot.configuration
     plain, race = asked.dump(), asked.scenario.race
     tuner = {f"tuner.{key}": value for key, value in plain["tuner"].items()}
-    settings = {key: value for key, value in plain.items() if key not in {"tuner", "race", "segments", "first_guess"}}
+    settings = {key: value for key, value in plain.items() if key not in {"tuner", "race", "segments", "first_guess", "rival"}}
     return {
         "command": snapshot.command,
         "fingerprint": asked.fingerprint,
