@@ -149,7 +149,7 @@ def diagnose_logs(
         failed: shape (B,) which of them failed.
         condition: under which they were flown.
     """
-    case = _case(scenario, flights, failed, condition)
+    case = _case(scenario, flights, failed, condition, true=False)
     if case is None:
         return ()
     return tuple(Diagnosis(one.cause, one.found, one.cures[0].advice) for one in suspect(case)[:MOST])
@@ -201,11 +201,11 @@ class _Trial:
         return self.world.fly(scenario, repeated, seeds, vehicle_parameters=rows, log=range(log))
 
 
-def _case(scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition) -> Case | None:
+def _case(scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition, *, true: bool = True) -> Case | None:
     """What is known of flights that failed, from the logs that there are; None where there are none of any use."""
     read = [signs_of(scenario, log, float(flights.end_time[i])) for i, log in flights.logs.items() if failed[i]]
     signs = [one for one in read if one is not None]
     if not signs:
         return None
     left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free)
-    return Case(scenario, Signs.median(signs), left, flights, failed, condition)
+    return Case(scenario, Signs.median(signs), left, flights, failed, condition, true)

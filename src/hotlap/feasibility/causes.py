@@ -26,6 +26,7 @@ from hotlap.reference_files.thrust_vectors import drag
 
 UNKNOWN = 0.05  # share of the thrust that a controller should know of
 LATER = 0.008  # s of dead time that matter
+READ = 0.03  # s of dead time that are no error of reading a log
 FELT = 1.0  # m/s^2 of drag
 OFTEN = 10.0  # jumps a second: no manoeuvre asks for them
 MOSTLY = 0.5  # of the time
@@ -100,6 +101,7 @@ class Case:
         flights: all of them.
         failed: shape (B,) which of them failed.
         condition: under which they were flown.
+        true: whether the vehicle that flew is the one of the race; else what it weighs is read from the logs.
     """
 
     scenario: Scenario
@@ -108,6 +110,7 @@ class Case:
     flights: Flights
     failed: NDArray[np.bool_]
     condition: Condition = UNCHANGED
+    true: bool = True
 
     @property
     def planned(self) -> bool:
@@ -161,7 +164,7 @@ def _no_margin(case: Case) -> Iterator[Suspicion]:
     words, _, advice = explain(scenario.race, scenario.reference, found, planned=case.planned).rpartition("; ")
     cures = [Cure(advice, race, row, supposed="with enough of it")]
     if not case.scenario.offset_free and _estimated(case).thrust > 1:
-        cures.insert(0, case.cure("set controller.offset_free = true: it commands more", _controlled(case.race, offset_free=True)))
+        cures.insert(0, case.cure("set controller.offset_free = true", _controlled(case.race, offset_free=True)))
     yield Suspicion(FailureCause.NO_MARGIN, words, tuple(cures), certain=found.lacking)
 
 
@@ -172,9 +175,9 @@ def _estimated(case: Case) -> Margin:
 
 def _dead_time(case: Case) -> Iterator[Suspicion]:
     """Dead time that the controller does not predict over."""
-    race, delay = case.race, case.vehicle("delay")
+    race, delay = case.race, case.vehicle("delay") if case.true else case.signs.dead_time
     unknown = delay - (race.control_model.delay if race.controller.predict else 0.0)
-    if unknown < LATER:
+    if unknown < (LATER if case.true else READ):
         return
     far = unknown * case.scenario.reference.max_speed
     found = f"{unknown * 1e3:.0f} ms that the controller does not know of, {far:.2f} m at top speed"
@@ -189,7 +192,7 @@ def _unknown_force(case: Case) -> Iterator[Suspicion]:
     """Thrust that does more or less than the controller takes for granted, a drone that weighs more or less, or a steady wind."""
     race, wind = case.race, case.race.noise.steady_wind
     weight = case.vehicle("mass") / race.control_model.mass
-    acted = case.signs.effectiveness if abs(weight - 1) < SAME_MASS else 1 / weight
+    acted = 1 / weight if case.true else case.signs.effectiveness
     known = not abs(acted - 1) > UNKNOWN  # a NaN says nothing
     resisted = _unknown_drag(case)
     if case.scenario.offset_free or (known and not wind and resisted < FELT):

@@ -103,8 +103,9 @@ def margin(race: Race, reference: Reference, condition: Condition = UNCHANGED, *
     available = _available(race.controller.thrust[1], rotors, effectiveness, offset_free=offset_free)
     worst = int((available / needed).argmin())
     time = (worst + 0.5 * (reference.planned_rows - len(needed))) * reference.period
-    limit = ENOUGH * float(max(needed[worst], needed[worst] / effectiveness[worst]))
-    passing = wind > 0 or left[-1] < left[0]
+    limit, share = ENOUGH * float(needed[worst]), float(effectiveness[worst])
+    limit = limit if offset_free and share * FOR_TORQUE * rotors >= limit else limit / min(share, 1.0)
+    passing = bool(wind > 0 or left[-1] < left[0])
     place, rates, known = place_of(race, reference, time), _rates(race, reference), limit if limit <= rotors else None
     return Margin(condition, float(available[worst]), float(needed[worst]), time, place, rates, passing, known)
 
