@@ -16,6 +16,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import SYMPTOMS, Case, Cure, FailureCause, Suspicion, suspect
 from hotlap.feasibility.margins import margin
 from hotlap.feasibility.signs import Signs, signs_of
+from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import UNCHANGED, Condition
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
@@ -24,12 +25,17 @@ from hotlap.tuning.scoring import score
 from hotlap.worlds.world import World
 
 MOST = 3  # causes that are told
-LOOKED_AT = 16  # flights whose logs are looked at where they failed
 FLIGHTS = 12  # of each trial
 HELPS = 0.25  # share of the flights by which a trial has to be better
+CHEAP = 5.0  # s of planning
 ALIKE = 0.1  # difference of two shares that says little
 
 Replan = Callable[[Race], Scenario]
+
+
+def cheap_replan(scenario: Scenario) -> Replan | None:
+    """What plans a race like the scenario's anew; None where its reference was read, or planning takes long."""
+    return prepare if 0 < scenario.reference.cpu_time < CHEAP else None
 
 
 @dataclass(frozen=True)
@@ -88,7 +94,6 @@ def diagnose(
     condition: Condition = UNCHANGED,
     *,
     replan: Replan | None = None,
-    planned: bool = True,
 ) -> tuple[Diagnosis, ...]:
     """Why parameters fail, the likeliest cause first, at most three; none where they do not fail.
 
@@ -98,14 +103,13 @@ def diagnose(
         scenario: that is flown.
         world: one that takes vehicle parameters for each flight.
         parameters: shape (S, K).
-        seeds: of the flights, shape (B,).
+        seeds: of the flights, shape (B,); a dozen are enough.
         goal: what counts as a success; None: all gates.
         condition: under which they are flown.
-        replan: plans a race anew, where that is cheap; None: no other plan is tried.
-        planned: whether the reference was planned.
+        replan: plans a race anew; None: no other plan is tried.
     """
     trial = _Trial(scenario, world, parameters, seeds, goal or Goal(), replan)
-    case = trial.case(condition, planned=planned)
+    case = trial.case(condition)
     if case is None:
         return ()
     before, suspicions = 1 - float(case.failed.mean()), suspect(case)
@@ -113,8 +117,10 @@ def diagnose(
     proved = [one for one in tested if one.rate >= before + HELPS]
     certain = [one if one in proved else one.untried for one, suspicion in zip(tested, suspicions, strict=True) if suspicion.certain]
     roots = sorted((one for one in proved if one.cause not in SYMPTOMS and one not in certain), key=lambda one: -one.rate)
-    told = without_symptoms([*certain, *roots, *(one for one in proved if one.cause in SYMPTOMS)])
-    return tuple(told[:MOST]) or tuple(one.untried for one in tested[:1])
+    told = _each_once(without_symptoms([*certain, *roots, *(one for one in proved if one.cause in SYMPTOMS)]))
+    if told:
+        return tuple(told[:MOST])
+    return tuple(one.untried for one in tested if one.tried is None)[:MOST] or tuple(one.untried for one in tested[:1])
 
 
 def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
@@ -127,8 +133,13 @@ def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
     return [one for one in diagnoses if one.cause not in SYMPTOMS or one.rate > best + ALIKE]
 
 
+def _each_once(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
+    """Those whose advice none before them has given."""
+    return [one for i, one in enumerate(diagnoses) if one.advice not in {before.advice for before in diagnoses[:i]}]
+
+
 def diagnose_logs(
-    scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition = UNCHANGED, *, planned: bool = True
+    scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition = UNCHANGED
 ) -> tuple[Diagnosis, ...]:
     """The same from the logs that there are, where no further flight is to be flown.
 
@@ -137,9 +148,8 @@ def diagnose_logs(
         flights: with the logs of some.
         failed: shape (B,) which of them failed.
         condition: under which they were flown.
-        planned: whether the reference was planned.
     """
-    case = _case(scenario, flights, failed, condition, planned=planned)
+    case = _case(scenario, flights, failed, condition, true=False)
     if case is None:
         return ()
     return tuple(Diagnosis(one.cause, one.found, one.cures[0].advice) for one in suspect(case)[:MOST])
@@ -156,13 +166,13 @@ class _Trial:
     goal: Goal
     replan: Replan | None
 
-    def case(self, condition: Condition, *, planned: bool) -> Case | None:
+    def case(self, condition: Condition) -> Case | None:
         """What failed, with the logs of some; None where nothing did."""
         race = self.scenario.race
         noisy = replace(self.scenario, race=race.model_copy(update={"noise": condition.noise(race.noise)}))
         row = Case.row(self.scenario, condition)
-        flights = self._fly(noisy, row, self.seeds, log=min(LOOKED_AT, len(self.seeds)))
-        return _case(self.scenario, flights, ~self._succeeded(noisy, flights), condition, planned=planned)
+        flights = self._fly(noisy, row, self.seeds, log=len(self.seeds))
+        return _case(self.scenario, flights, ~self._succeeded(noisy, flights), condition)
 
     def test(self, suspicion: Suspicion, before: float) -> Diagnosis:
         """A suspicion with the first of its cures that helps, or the first."""
@@ -191,12 +201,11 @@ class _Trial:
         return self.world.fly(scenario, repeated, seeds, vehicle_parameters=rows, log=range(log))
 
 
-def _case(scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition, *, planned: bool) -> Case | None:
+def _case(scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition, *, true: bool = True) -> Case | None:
     """What is known of flights that failed, from the logs that there are; None where there are none of any use."""
-    offset_free = bool(getattr(scenario, "offset_free", False))
     read = [signs_of(scenario, log, float(flights.end_time[i])) for i, log in flights.logs.items() if failed[i]]
     signs = [one for one in read if one is not None]
     if not signs:
         return None
-    found = margin(scenario.race, scenario.reference, condition, offset_free=offset_free)
-    return Case(scenario, Signs.median(signs), found, flights, failed, condition, planned, offset_free)
+    left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free)
+    return Case(scenario, Signs.median(signs), left, flights, failed, condition, true)

@@ -18,12 +18,16 @@ from hotlap.feasibility.margins import Margin, explain, margin
 from hotlap.feasibility.race import SAME_MASS, missing_mass
 from hotlap.feasibility.signs import Signs
 from hotlap.race.conditions import UNCHANGED, Condition
+from hotlap.race.controller_kind import ControllerKind
 from hotlap.race.race import GateRule, PlanDynamics, Race
 from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, scale, vehicle_parameters_of
 from hotlap.reference.scenario import Scenario
+from hotlap.reference_files.thrust_vectors import drag
 
 UNKNOWN = 0.05  # share of the thrust that a controller should know of
 LATER = 0.008  # s of dead time that matter
+READ = 0.03  # s of dead time that are no error of reading a log
+FELT = 1.0  # m/s^2 of drag
 OFTEN = 10.0  # jumps a second: no manoeuvre asks for them
 MOSTLY = 0.5  # of the time
 STRONGER = 1.4  # rotors, to see whether thrust is what is lacking
@@ -97,8 +101,7 @@ class Case:
         flights: all of them.
         failed: shape (B,) which of them failed.
         condition: under which they were flown.
-        planned: whether the reference was planned.
-        offset_free: whether the controller estimates its thrust and what pushes it.
+        true: whether the vehicle that flew is the one of the race; else what it weighs is read from the logs.
     """
 
     scenario: Scenario
@@ -107,8 +110,12 @@ class Case:
     flights: Flights
     failed: NDArray[np.bool_]
     condition: Condition = UNCHANGED
-    planned: bool = True
-    offset_free: bool = False
+    true: bool = True
+
+    @property
+    def planned(self) -> bool:
+        """Whether the reference was planned, and not read."""
+        return self.scenario.reference.cpu_time > 0
 
     @property
     def race(self) -> Race:
@@ -156,8 +163,8 @@ def _no_margin(case: Case) -> Iterator[Suspicion]:
     race = _controlled(race, thrust=(low, STRONGER * high))
     words, _, advice = explain(scenario.race, scenario.reference, found, planned=case.planned).rpartition("; ")
     cures = [Cure(advice, race, row, supposed="with enough of it")]
-    if "offset_free" in _keys(race) and not case.offset_free and _estimated(case).thrust > 1:
-        cures.insert(0, case.cure("set controller.offset_free = true: it commands more", _controlled(case.race, offset_free=True)))
+    if not case.scenario.offset_free and _estimated(case).thrust > 1:
+        cures.insert(0, case.cure("set controller.offset_free = true", _controlled(case.race, offset_free=True)))
     yield Suspicion(FailureCause.NO_MARGIN, words, tuple(cures), certain=found.lacking)
 
 
@@ -168,9 +175,9 @@ def _estimated(case: Case) -> Margin:
 
 def _dead_time(case: Case) -> Iterator[Suspicion]:
     """Dead time that the controller does not predict over."""
-    race, delay = case.race, case.vehicle("delay")
+    race, delay = case.race, case.vehicle("delay") if case.true else case.signs.dead_time
     unknown = delay - (race.control_model.delay if race.controller.predict else 0.0)
-    if unknown < LATER:
+    if unknown < (LATER if case.true else READ):
         return
     far = unknown * case.scenario.reference.max_speed
     found = f"{unknown * 1e3:.0f} ms that the controller does not know of, {far:.2f} m at top speed"
@@ -185,23 +192,29 @@ def _unknown_force(case: Case) -> Iterator[Suspicion]:
     """Thrust that does more or less than the controller takes for granted, a drone that weighs more or less, or a steady wind."""
     race, wind = case.race, case.race.noise.steady_wind
     weight = case.vehicle("mass") / race.control_model.mass
-    acted = case.signs.effectiveness if abs(weight - 1) < SAME_MASS else 1 / weight
+    acted = 1 / weight if case.true else case.signs.effectiveness
     known = not abs(acted - 1) > UNKNOWN  # a NaN says nothing
-    if case.offset_free or (known and not wind):
+    resisted = _unknown_drag(case)
+    if case.scenario.offset_free or (known and not wind and resisted < FELT):
         return
     height = f"{abs(case.signs.above):.2f} m too {'low' if case.signs.above < 0 else 'high'}"
-    pushed = (
-        f"a wind pushes with {wind:g} m/s^2"
-        if known
-        else f"a command gives {acted:.0%} of the thrust that the controller takes for granted"
-    )
-    cures = [case.cure("set controller.offset_free = true", _controlled(race, offset_free=True))] * ("offset_free" in _keys(race))
+    gives = f"a command gives {acted:.0%} of the thrust that the controller takes for granted"
+    blown = f"a wind pushes with {wind:g} m/s^2" if wind else f"drag takes {resisted:.1f} m/s^2 at top speed"
+    pushed = f"{blown}, of which the controller does not know" if known else gives
+    cures = [case.cure("set controller.offset_free = true", _controlled(race, offset_free=True))]
     if not known:
         weighed = f"set model.mass = {case.vehicle('mass'):g}" if not case.condition.changes and abs(missing_mass(race)) > SAME_MASS else ""
         knowing, supposed = _knowing(race, mass=case.vehicle("mass")), "" if weighed else "with it known"
         cures.append(Cure(weighed or "weigh the drone, measure its thrust", knowing, case.vehicle_parameters, supposed=supposed))
-    if cures:
-        yield Suspicion(FailureCause.UNKNOWN_FORCE, f"{pushed}; the drone ends {height}", tuple(cures))
+    yield Suspicion(FailureCause.UNKNOWN_FORCE, f"{pushed}; the drone ends {height}", tuple(cures))
+
+
+def _unknown_drag(case: Case) -> float:
+    """Deceleration [m/s^2] by drags that the controller does not make up for, level and at the top speed of the reference."""
+    race, level, ahead = case.race, np.array([[1.0, 0.0, 0.0, 0.0]]), np.array([[case.scenario.reference.max_speed, 0.0, 0.0]])
+    acts, believed = (drag(one, level, ahead, np.array([one.gravity])) for one in (race.vehicle, race.control_model))
+    knows = race.controller.reference_drag or race.controller.kind is ControllerKind.MPC_DRAG
+    return float(np.linalg.norm(acts - believed * knows))
 
 
 def _chattering(case: Case) -> Iterator[Suspicion]:
@@ -245,7 +258,7 @@ def _late(case: Case) -> Iterator[Suspicion]:
     cures = []
     if race.controller.predict and race.controller.lag_lead < LEAD:
         cures.append(case.cure(f"set controller.lag_lead = {LEAD:g}", _controlled(race, lag_lead=LEAD)))
-    if not case.offset_free and "offset_free" in _keys(race):
+    if not case.scenario.offset_free:
         cures.append(case.cure("set controller.offset_free = true", _controlled(race, offset_free=True)))
     cures += _calmer(case)
     if race.judge.rule is GateRule.CLOCK:
@@ -301,8 +314,3 @@ def _knowing(race: Race, **known: float) -> Race:
 def _controlled(race: Race, **settings: object) -> Race:
     """The race with other settings of its controller."""
     return race.model_copy(update={"controller": race.controller.model_copy(update=settings)})
-
-
-def _keys(race: Race) -> set[str]:
-    """The settings that its controller has."""
-    return set(type(race.controller).model_fields)

@@ -13,15 +13,16 @@ acceleration d in its worst horizontal direction.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.feasibility.demands import HELD, running_mean
+from hotlap.feasibility.finding import Finding, note_if
 from hotlap.race.battery import MOST_LOST
-from hotlap.race.conditions import UNCHANGED, Condition
+from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition
 from hotlap.race.race import Race
 from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, vehicle_parameters_of
 from hotlap.reference.attitude import thrust_axis
@@ -30,6 +31,8 @@ from hotlap.reference.reference import Reference
 ENOUGH = 1.07  # margin from which on flights hold whose controller knows its thrust; measured, see docs/margin.md
 FOR_TORQUE = 0.9  # of the rotors' thrust: all of it leaves none to turn with
 AT_GATE = 0.15  # s around its time
+SAME = 0.005  # difference of two margins that says nothing
+ALL = 0.999  # of the rates
 HOVERING = 1.15  # thrust-to-weight below which a plan makes no sense
 
 Floats = NDArray[np.float64]
@@ -46,7 +49,7 @@ class Margin:
         time: [s] of that moment.
         place: the same in words: "at gate 3".
         rates: body rates that the controller may command over those of the reference, of the axis with the least left [-].
-        windy: whether that is so in the worst direction of a wind alone.
+        passing: whether that is so for a while alone: in the worst direction of a wind, or at the end of a battery.
         limit: [m/s^2] `controller.thrust` that would leave enough, where the rotors have it; None where they have not.
     """
 
@@ -56,7 +59,7 @@ class Margin:
     time: float
     place: str
     rates: float
-    windy: bool = False
+    passing: bool = False
     limit: float | None = None
 
     @property
@@ -66,8 +69,8 @@ class Margin:
 
     @property
     def lacking(self) -> bool:
-        """Whether the thrust does not suffice, from wherever the wind comes: no weights help."""
-        return self.thrust < 1 and not self.windy
+        """Whether the thrust does not suffice, and not for a while alone: no weights help."""
+        return self.thrust < 1 and not self.passing
 
     @property
     def enough(self) -> bool:
@@ -100,9 +103,11 @@ def margin(race: Race, reference: Reference, condition: Condition = UNCHANGED, *
     available = _available(race.controller.thrust[1], rotors, effectiveness, offset_free=offset_free)
     worst = int((available / needed).argmin())
     time = (worst + 0.5 * (reference.planned_rows - len(needed))) * reference.period
-    limit = ENOUGH * float(max(needed[worst], needed[worst] / effectiveness[worst]))
+    limit, share = ENOUGH * float(needed[worst]), float(effectiveness[worst])
+    limit = limit if offset_free and share * FOR_TORQUE * rotors >= limit else limit / min(share, 1.0)
+    passing = bool(wind > 0 or left[-1] < left[0])
     place, rates, known = place_of(race, reference, time), _rates(race, reference), limit if limit <= rotors else None
-    return Margin(condition, float(available[worst]), float(needed[worst]), time, place, rates, wind > 0, known)
+    return Margin(condition, float(available[worst]), float(needed[worst]), time, place, rates, passing, known)
 
 
 def needed_thrust(reference: Reference, wind: float = 0.0) -> Floats:
@@ -147,8 +152,8 @@ def explain(race: Race, reference: Reference, found: Margin, *, planned: bool = 
     """
     if found.enough:
         return ""
-    direction = " in the worst direction of the wind" if found.windy else ""
-    verdict = "no weights will help" if found.lacking else f"hardly any is left to correct with{direction}"
+    verdict = "no weights will help" if found.lacking else "hardly any is left to correct with"
+    verdict = "for a while less than that is there" if found.thrust < 1 and found.passing else verdict
     cure = help_with(race, reference, found, planned=planned)
     return f"{found.figure} of the thrust that is needed {found.place}: {verdict}; {cure}"
 
@@ -164,6 +169,35 @@ def help_with(race: Race, reference: Reference, found: Margin, *, planned: bool 
     if planned and race.planning.quadrotor is None:
         return "no plan would: the vehicle is too weak"
     return f"{'a plan' if planned else 'a reference'} that takes at most {found.available / ENOUGH:.1f} m/s^2 would"
+
+
+def margins(race: Race, reference: Reference, *, offset_free: bool = False) -> tuple[Margin, ...]:
+    """Margins as the race is, then under those conditions that every controller is asked to bear and that cost thrust.
+
+    Args:
+        race: that is flown.
+        reference: planned or read.
+        offset_free: whether the controller estimates its thrust and what pushes it.
+    """
+    found = [margin(race, reference, condition, offset_free=offset_free) for condition in (UNCHANGED, *DEFAULT_CONDITIONS)]
+    return tuple(one for one in found if one is found[0] or one.thrust < found[0].thrust - SAME)
+
+
+def describe_margins(race: Race, reference: Reference, found: Sequence[Margin], *, planned: bool = True) -> Iterator[Finding]:
+    """What is left of thrust and rates.
+
+    Args:
+        race: that is flown.
+        reference: planned or read.
+        found: from `margins`.
+        planned: whether it was planned.
+    """
+    for one in found:
+        remark = explain(race, reference, one, planned=planned) or f"of the thrust that is needed, {one.place}"
+        yield Finding(f"- {one.condition.name}" if one.condition.changes else "thrust left", one.figure, remark, note_if(not one.enough))
+    rates, tight = found[0].rates, found[0].rates < ALL
+    remark = f"of the body rates that are needed{'; raise controller.rates' * tight}"
+    yield Finding("rates left", f"{rates:.2f}", remark, note_if(tight))
 
 
 def place_of(race: Race, reference: Reference, time: float) -> str:

@@ -81,17 +81,17 @@ def signs_of(scenario: Scenario, log: Log, end_time: float) -> Signs | None:
         return None
     log = Log(log.times[:rows], log.states[:rows], log.rotor_thrusts[:rows], log.commands[:rows])
     last, first = log.times >= log.times[-1] - BEFORE, log.times <= log.times[0] + BEGINNING
-    limits = np.array(race.controller.rates[:2])
+    turning = log.commands[:, 1:3] / np.array(race.controller.rates[:2])
+    turned: Floats = np.abs(turning).max(axis=1)
     most = min(race.controller.thrust[1], race.control_model.max_acceleration)
     full = np.greater_equal(log.commands[:, 0], AT_LIMIT * most)
-    turning = log.commands[:, 1:3] / limits
-    jumps = (np.abs(np.diff(turning, axis=0, prepend=turning[:1])) > 1).any(axis=1)
+    jumped: Floats = np.abs(np.diff(turning, axis=0, prepend=turning[:1])).max(axis=1)
     along, aside, above, growing = _error(scenario.reference, log)
     return Signs(
         saturated=float(full[last].mean()),
         saturated_first=float(full[first].mean()),
-        rates_limited=float((np.abs(turning[last]) >= AT_LIMIT).any(axis=1).mean()),
-        jumps=float(jumps[last].sum() / min(BEFORE, max(log.times[-1] - log.times[0], 1e-9))),
+        rates_limited=float((turned[last] >= AT_LIMIT).mean()),
+        jumps=float((jumped[last] > 1).sum() / min(BEFORE, max(log.times[-1] - log.times[0], 1e-9))),
         along=along,
         aside=aside,
         above=above,
