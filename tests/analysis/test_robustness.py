@@ -35,9 +35,9 @@ def test_what_is_hard_to_bear_costs_successes():
 
 def test_conditions_of_ones_own_are_flown_in_order_whatever_batch_they_share():
     parameters, asked = np.tile(TUNED, (2, 1)), parse_hold("wind=3, mass=+60%, gusts=1, thrust=-50%, wind=3 & mass=+10%")
-    holds = check_robustness(SCENARIO, BuiltIn(), Goal(), parameters, 1, 16, conditions=asked)
+    holds = check_robustness(SCENARIO, BuiltIn(), Goal(), parameters, 1, 16, asked=asked, further=())
     assert [hold.condition for hold in holds] == [UNCHANGED, *asked]
-    alone = [check_robustness(SCENARIO, BuiltIn(), Goal(), parameters, 1, 16, conditions=[condition])[1] for condition in asked]
+    alone = [check_robustness(SCENARIO, BuiltIn(), Goal(), parameters, 1, 16, asked=[condition], further=())[1] for condition in asked]
     assert list(holds[1:]) == alone
     rates = {hold.change: hold.validation.rate for hold in holds}
     assert rates["50 % less thrust"] < 1, "nobody flies this circle with half of the thrust"

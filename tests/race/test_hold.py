@@ -51,6 +51,7 @@ BAD = {
     "sag=95%": "'sag=95%': sag must be from 0% to 90%",
     "noise=x1e3": "'noise=x1e3': must be like noise=x2",
     "weight=+10%": r"'weight=\+10%': there is no quantity 'weight' \(did you mean mass\?\); available: mass, thrust",
+    "wieght=+10%": r"there is no quantity 'wieght' \(did you mean mass\?\)",
     "trust=+10%": r"there is no quantity 'trust' \(did you mean thrust\?\)",
     "Mass=+10%": r"there is no quantity 'Mass' \(did you mean mass\?\)",
     "zzz=1": "there is no quantity 'zzz'; available",

@@ -12,11 +12,13 @@ from hotlap.api.checking import check
 from hotlap.api.tuned import TuningResult
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds, share
+from hotlap.cli.held import show_robustness
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError
+from hotlap.study.tried_plan import describe_choice
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.goal_forms import LAP_TIME
 
@@ -54,6 +56,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     yield Text(f"{result.race}: {tuned.verdict}", style=style)
     yield from facts(
         {
+            "plan": describe_choice(tuned.plans),
             "search flights": str(result.search_flights),
             "flights": f"{result.flights}, re-flights included",
             "lap time": seconds(result.best.lap_time),
@@ -68,8 +71,11 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     )
     if tuned.robustness:
         yield "will it hold?"
-        yield from facts({one.change: share(one.validation) for one in tuned.robustness})
+        yield from show_robustness(tuned.robustness)
     yield f"fly it again: {tuned.again}"
     if not tuned.confirmed and not no_goal:
         yield from tuned.advice
+        if tuned.causes:
+            yield "why flights fail, and what to try:"
+            yield from (f"  {cause.words}" for cause in tuned.causes)
         yield f"what may be in the way: {further}"

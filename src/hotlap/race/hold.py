@@ -113,8 +113,8 @@ def _quantity(name: str, item: str) -> Quantity:
     """The quantity of a name."""
     if name in tuple(Quantity):
         return Quantity(name)
-    near = [MEANT[name]] if name in MEANT else get_close_matches(name.lower(), tuple(Quantity), n=1)
-    hint = f" (did you mean {near[0]}?)" if near else ""
+    near = get_close_matches(name.lower(), (*Quantity, *MEANT), n=1)
+    hint = f" (did you mean {MEANT.get(near[0], near[0])}?)" if near else ""
     raise _refusal(item, f"there is no quantity '{name}'{hint}; available: {', '.join(Quantity)}")
 
 
