@@ -58,7 +58,7 @@ def compare(
         segments: how the reference is cut.
         controller: which one flies; None: the race's.
         on: where to fly.
-        hold: conditions that each result is flown under: mass=+-10%, thrust=-20%, delay=+20ms, wind=3.
+        hold: conditions to fly each result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:

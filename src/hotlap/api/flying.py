@@ -44,7 +44,7 @@ def fly(
         controller: which one flies; None: the race's.
         on: where to fly.
         log: write the first flight as CSV, step by step.
-        hold: conditions that are flown as often: mass=+-10%, thrust=-20%, delay=+20ms, wind=3.
+        hold: further conditions to fly them under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:

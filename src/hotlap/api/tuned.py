@@ -49,6 +49,7 @@ from hotlap.worlds.world import World
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from hotlap.analysis.diagnosis import Diagnosis
     from hotlap.analysis.robustness import Robustness
 
 FASTEST = "race.toml"  # written by the search for the fastest plan
@@ -103,6 +104,11 @@ class TuningResult(Outcome):
         return all_held(self.robustness)
 
     @property
+    def causes(self) -> tuple[Diagnosis, ...]:
+        """Why flights with the best parameters fail, the likeliest cause first; empty where they do not, or nothing was flown again."""
+        return self.robustness[0].causes if self.robustness else ()
+
+    @property
     def values(self) -> Parameters:
         """The best parameters, shape (S, K), in the order of `scenario.space.names`."""
         return self.result.best.parameters
@@ -153,6 +159,7 @@ class TuningResult(Outcome):
         paths = {"study": str(self.folder), "parameters": str(self.parameters), "report": None if self.report is None else str(self.report)}
         robustness = [dump_robustness(one) for one in self.robustness]
         about = {"world": self.world, "first_guess": self.first_guess, "robustness": robustness, "holds": self.holds}
+        about["causes"] = [cause.dump() for cause in self.causes]
         said = {"notes": list(self.scenario.notes), "advice": list(self.advice), "plans": [plan.dump() for plan in self.plans]}
         return {**self.result.dump(), "wall_time": self.wall_time, **about, **said, **paths}
 
@@ -181,8 +188,9 @@ def carry_out(asked: Asked) -> TuningResult:
     folder = folder or new_folder(job.race.name)
     with (
         asked.remarked("go on", out=folder),
-        Study.open(folder, configuration, asked.command(out=None), asked.hold) as study,
+        Study.open(folder, configuration, hold=asked.hold) as study,
     ):
+        study.keep_command(asked.command(out=None, hold=study.hold))
         before = 0.0 if chosen else study.wall_time
         result = _tune(study, job.world, asked, begun=chosen)
         file = folder / PARAMETERS_FILE

@@ -57,7 +57,7 @@ def tune(
         validation: flights of the result with fresh noise, 0 for none.
         reliability: least share of these to succeed, 0 for any.
         batch: most candidates to fly at once, for tuners that can.
-        hold: conditions that the result is flown under afterwards: mass=+-10%, thrust=-20%, delay=+20ms, wind=3.
+        hold: further conditions to fly the result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:

@@ -75,4 +75,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     yield f"fly it again: {tuned.again}"
     if not tuned.confirmed and not no_goal:
         yield from tuned.advice
+        if tuned.causes:
+            yield "why flights fail, and what to try:"
+            yield from (f"  {cause.words}" for cause in tuned.causes)
         yield f"what may be in the way: {further}"

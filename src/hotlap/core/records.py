@@ -147,7 +147,7 @@ class Scores:
         """B, the number of flights."""
         return len(self.cost)
 
-    def rows(self, rows: slice) -> Scores:
+    def rows(self, rows: slice | NDArray[np.int64]) -> Scores:
         """The scores of some of the flights."""
         return Scores(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
+from hotlap.race.battery import MOST_LOST
 from hotlap.race.quadrotor import MOST_DELAY
 from hotlap.race.race import NoiseSettings, Race
 from hotlap.race.vehicle_parameters import COLUMNS, DRAGS, FORCES, MASSES, VEHICLE_PARAMETERS, scale, vehicle_parameters_of
@@ -90,6 +91,15 @@ class Change:
                 return f"battery sag of {100 * amount:g} %"
         return f"{100 * abs(amount):g} % {WORDS[quantity][amount > 0]}"
 
+    def scaled(self, severity: float) -> Change:
+        """The same kind of change, so many times as severe, as far as a vehicle can bear it at all."""
+        if self.quantity is Quantity.NOISE:
+            return Change(self.quantity, max(0.0, 1 + severity * (self.amount - 1)))
+        amount = severity * self.amount
+        if self.quantity is Quantity.SAG:
+            amount = min(amount, MOST_LOST)
+        return Change(self.quantity, max(amount, -MOST_LOST) if self.quantity in SCALED else amount)
+
     def vehicle_parameters(self, rows: Floats) -> Floats:
         """Rows of vehicle parameters, shape (..., P), with this change."""
         if self.quantity in SCALED:
@@ -137,6 +147,10 @@ class Condition:
         for change in self.changes:
             rows = change.vehicle_parameters(rows)
         return rows
+
+    def scaled(self, severity: float) -> Condition:
+        """The same condition, so many times as severe: 0 is no condition at all, 2 twice as far from the race as described."""
+        return Condition(tuple(change.scaled(severity) for change in self.changes), self.text)
 
     def noise(self, noise: NoiseSettings) -> NoiseSettings:
         """The noise of a race under this condition."""

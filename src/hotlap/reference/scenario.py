@@ -45,6 +45,13 @@ class Scenario:
         return self.thrust_margin >= LEAST_MARGIN if asked is None else asked
 
     @property
+    def corrects_target(self) -> bool:
+        """Whether the controller corrects its targets, for what it estimates or for drags that its model has."""
+        model = self.race.control_model
+        has_drag = any((*model.drag, *model.body_drag, model.rotor_drag))
+        return self.offset_free or (self.race.controller.reference_drag and has_drag)
+
+    @property
     def thrust_margin(self) -> float:
         """Thrust that the controller may plan over the largest thrust of the reference [-]."""
         most = min(self.race.controller.thrust[1], self.race.control_model.max_acceleration)

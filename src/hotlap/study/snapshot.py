@@ -67,17 +67,18 @@ def read_snapshot(study: Study) -> Snapshot:
             finished=tuning.best is not None and tuning.done,
             ledger=study.flights(),
             openings=tuple(study.openings),
-            command=study.command or _rebuild(configuration),
+            command=study.command or _rebuild(configuration, study.hold),
             hold=study.hold,
             plans=tuple(study.plans),
         )
 
 
-def _rebuild(configuration: Configuration) -> str:
+def _rebuild(configuration: Configuration, hold: str) -> str:
     """A command that does the same, for a study that was begun by a program; what a command cannot say is left out."""
     settings = configuration.settings
     words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
+    words += ["--hold", hold] if hold else []
     name = "default" if begins_at_default(configuration) else configuration.first_guess_name
     return shlex.join(words if name == GIVEN or configuration.rival is not None else [*words, "--first-guess", name])
 

@@ -45,7 +45,7 @@ CREATE TABLE flight (stream TEXT, number INTEGER, seed INTEGER, parameters BLOB,
 """
 _SELECT = """
 SELECT stream, number, seed, parameters, cost, completion, failed_segment, mean_error, max_error, lap_time, accepted
-FROM flight ORDER BY stream = 'VALIDATION', number
+FROM flight ORDER BY CASE stream WHEN 'SELECTION' THEN 1 WHEN 'VALIDATION' THEN 2 ELSE 0 END, number
 """
 _INSERT = "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 
@@ -85,8 +85,7 @@ class Study:
                 study._create(configuration)
             else:
                 study._continue(configuration)
-            if command and command != study.command:
-                study._enter("command", command)
+            study.keep_command(command)
             if hold:
                 study._enter("hold", hold)
         return study
@@ -148,6 +147,7 @@ class Study:
             best=tuning.best,
             validation=tuning.validation,
             validation_flights=tuning.validation_flights,
+            selection_flights=tuning.selection_flights,
             wall_time=self.wall_time,
             remark=remark_of(tuning.tuner),
         )
@@ -156,6 +156,11 @@ class Study:
     def command(self) -> str:
         """The command that does the same again; "" where it was not kept."""
         return self._entry("command") or ""
+
+    def keep_command(self, command: str) -> None:
+        """Keep the command that does the same again; "" leaves that of before."""
+        if command and command != self.command:
+            self._enter("command", command)
 
     @property
     def hold(self) -> str:
@@ -179,7 +184,7 @@ class Study:
         return [(moment, json.loads(versions)) for moment, versions in rows]
 
     def flights(self) -> Ledger:
-        """All flights: search and confirmation in the order flown, then the validation."""
+        """All flights: search and confirmation in the order flown, then the selection, then the validation."""
         rows = self._database.execute(_SELECT)
         streams, numbers, seeds, parameters, *floats, accepted = zip(*rows, strict=True) if rows else [()] * 11
         cost, completion, failed_segment, mean_error, max_error, lap_time = floats
@@ -272,7 +277,8 @@ class Study:
             raise StudyError(str(self.folder), "budget", reason)
         self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"], rival=load_rival(plain))
         with self._transaction():
-            self._enter("configuration", json.dumps({**plain, "budget": asked["budget"]}, allow_nan=False))
+            taken_over = {key: asked[key] for key in ("budget", "selection", "minutes")}
+            self._enter("configuration", json.dumps({**plain, **taken_over}, allow_nan=False))
             self._note_opening()
 
     def _plain_configuration(self) -> dict[str, Any]:

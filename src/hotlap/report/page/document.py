@@ -34,7 +34,7 @@ SYMBOLS = {  # letters of the paper, where it has them
     "horizon": "T",
 }
 RULES = {GateRule.CLOCK: "clock", GateRule.OPENING: "opening"}
-STREAMS = (Stream.SEARCH, Stream.CONFIRMATION, Stream.VALIDATION)
+STREAMS = {Stream.SEARCH: 0, Stream.CONFIRMATION: 1, Stream.VALIDATION: 2, Stream.SELECTION: 2}  # the page shows no flight of 2
 
 
 def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False) -> dict[str, Any]:
@@ -100,7 +100,14 @@ def _validation(validation: Validation) -> dict[str, Any]:
 
 
 def _robustness(robustness: Robustness) -> dict[str, Any]:
-    return {"change": robustness.change, "asked": robustness.asked, **_validation(robustness.validation)}
+    return {"change": robustness.change, "asked": robustness.asked, **_validation(robustness.validation), **_reasons(robustness)}
+
+
+def _reasons(robustness: Robustness) -> dict[str, Any]:
+    """What is left of the thrust under a condition, and why flights fail."""
+    margin = robustness.margin
+    left = None if margin is None else {"thrust": margin.thrust, "rates": margin.rates, "place": margin.place}
+    return {"margin": left, "causes": [cause.dump() for cause in robustness.causes]}
 
 
 def _flights(snapshot: Snapshot) -> dict[str, Any]:
@@ -112,7 +119,7 @@ def _flights(snapshot: Snapshot) -> dict[str, Any]:
         "completion": pack(ledger.completion),
         "mean_error": pack(ledger.mean_error),
         "lap_time": pack(ledger.lap_time),
-        "stream": [STREAMS.index(Stream(stream)) for stream in ledger.streams.tolist()],
+        "stream": [STREAMS[Stream(stream)] for stream in ledger.streams.tolist()],
         "accepted": ledger.accepted.astype(int).tolist(),
         "succeeded": succeeded(ledger, settings.goal).astype(int).tolist(),
         "failed_segment": ledger.failed_segment.tolist(),
