@@ -36,7 +36,18 @@ from hotlap.tuning.loop import TuningSettings
 
 RACE_FILE = "race.toml"
 ROUNDS = 40  # of plans tried around the best so far
-FIXED = ("reference", "first_guess", "segments", "on", "randomise", "samples", "reliability", "hold")  # options that have no meaning here
+FIXED = (
+    "reference",
+    "first_guess",
+    "segments",
+    "on",
+    "randomise",
+    "samples",
+    "reliability",
+    "hold",
+    "selection",
+    "minutes",
+)  # options that have no meaning here
 
 
 def run(options: Namespace) -> int:

@@ -27,6 +27,8 @@ from hotlap.tuning.goal import Quantity
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.selection import FINALISTS, Contenders, Selection, merit
 from hotlap.tuning.settings import TuningSettings
+
+FOREVER = 1e9  # minutes after which a search has ended that was told to end
 FEW = 4  # candidates of a population that are confirmed
 
 
@@ -111,7 +113,7 @@ class Tuning:
         self.search_flights = 0
         self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0, Stream.VALIDATION: 0, Stream.SELECTION: 0}
         self._contenders, self._selection = Contenders(), None
-        self._selected_at, self._ended, self._selection_flights = -1, False, settings.selection
+        self._selected_at, self._ended, self._selection_flights = -1, 0.0, settings.selection
         tuner.start(guess, scenario.space, np.random.default_rng(settings.seed))
         if state is not None:
             self._restore(state)
@@ -142,7 +144,8 @@ class Tuning:
         Args:
             selection: flights by which it is chosen; None: as the settings say.
         """
-        self._ended, self._selection_flights = True, self.settings.selection if selection is None else selection
+        self._ended = self.settings.minutes or FOREVER
+        self._selection_flights = self.settings.selection if selection is None else selection
 
     @property
     def searched(self) -> bool:
@@ -153,7 +156,7 @@ class Tuning:
     def _searched(self) -> bool:
         """Whether a candidate is confirmed, the budget spent or the time over."""
         left = self.settings.budget - self.flights
-        return self.best is not None and (self.best.confirmed or self._ended or left < self.settings.flights_each)
+        return self.best is not None and (self.best.confirmed or self._ended > 0 or left < self.settings.flights_each)
 
     @property
     def _selected(self) -> bool:
@@ -314,8 +317,8 @@ class Tuning:
         self._contenders = Contenders.load(state.get("contenders", ()))
         self._selection = Selection.load(state["selection"]) if state.get("selection") else None
         self._selected_at = state.get("selected_at", self.flights if self.validation is not None else -1)
-        if state.get("ended"):
-            self.end_search(state["selection_flights"])
+        if state.get("ended") and (not self.settings.minutes or state["ended"] >= self.settings.minutes):  # else it has been given more
+            self._ended, self._selection_flights = state["ended"], state["selection_flights"]
         self.tuner.restore(state["tuner"])
 
 

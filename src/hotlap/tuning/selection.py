@@ -18,7 +18,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.success_rate import wilson_interval
 from hotlap.tuning.candidate import Candidate
-from hotlap.tuning.goal import Goal
+from hotlap.tuning.goal import Goal, Quantity
 
 FINALISTS = 64
 FAR = 1e9  # what a cost that is not finite, or larger, counts as
@@ -27,7 +27,7 @@ Merit = tuple[float, ...]
 
 
 def merit(flown: Scores, goal: Goal, validation_rate: float = 0.0) -> Merit:
-    """How good a candidate looks by all its flights, the larger the better: lower bounds on its success rate, completion, dense cost.
+    """How good a candidate looks by all its flights, the larger the better: lower bounds on its success rate, completion, cost.
 
     Args:
         flown: its flights.
@@ -35,7 +35,8 @@ def merit(flown: Scores, goal: Goal, validation_rate: float = 0.0) -> Merit:
         validation_rate: of a validation that it failed.
     """
     successes, completion = int(goal.succeeded(flown).sum()), float(flown.completion.mean())
-    cost = float(np.minimum(np.nan_to_num(flown.dense, nan=FAR, posinf=FAR), FAR).mean())
+    costs = flown.dense if goal.quantity is Quantity.COMPLETION else flown.cost
+    cost = float(np.minimum(np.nan_to_num(costs, nan=FAR, posinf=FAR), FAR).mean())
     return validation_rate, wilson_interval(successes, len(flown))[0], completion, -cost
 
 
