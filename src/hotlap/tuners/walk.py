@@ -94,7 +94,7 @@ class Walk(ABC, Generic[AnySettings]):
     def state(self) -> dict[str, Any]:
         """All flights, the current proposal and the random generator."""
         return {
-            "points": [list(point) for point in self._points],
+            "points": list(self._points),  # no point is written into
             "costs": [cost if math.isfinite(cost) else None for cost in self._costs],  # JSON has no infinity
             "proposal": None if self._proposal is None else self._proposal.tolist(),
             "rng": self._rng.bit_generator.state,
