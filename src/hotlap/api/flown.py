@@ -17,7 +17,7 @@ from hotlap.api.asked import Asked
 from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_range, check_source, check_target
 from hotlap.api.outcome import Outcome
-from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, read_guess, read_parameters
+from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, planned_as, read_guess, read_parameters
 from hotlap.api.wording import percent, share
 from hotlap.core.counts import count
 from hotlap.core.parameters import Parameters
@@ -96,6 +96,14 @@ class FlightsResult(Outcome):
         for text in dict.fromkeys(text for end, _, text in sorted(rows) if End(end) is not End.FINISHED):
             yield f"{ends[text]} {text}"
 
+    def commonest_end(self) -> str:
+        """How most of the flights that did not finish ended: "12 of 50 flights missed gate 3"; "" where all did."""
+        unfinished = np.array(self._endings())[self.flights.end != End.FINISHED].tolist()
+        if not unfinished:
+            return ""
+        (words, number), *_ = Counter(unfinished).most_common(1)
+        return f"{number} of {count(len(self.flights), 'flight')} {words}"
+
     def _endings(self) -> list[str]:
         """How each flight ended, in words."""
         flights, race = self.flights, self.scenario.race
@@ -146,6 +154,7 @@ def carry_out(asked: Asked) -> FlightsResult:
     if isinstance(asked.parameters, str | Path) and Path(asked.parameters).is_file():
         load_parameters(asked.parameters)
     check_guess(str(asked.first_guess))
+    race = planned_as(race, asked.first_guess if asked.parameters is None else asked.parameters) if asked.reference is None else race
     conditions = read_hold(asked.hold, race, world)
     scenario = make_scenario(race, asked)
     parameters = _parameters(asked, scenario)

@@ -18,6 +18,7 @@ from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError
+from hotlap.study.tried_plan import describe_choice
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.goal_forms import LAP_TIME
 
@@ -55,6 +56,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     yield Text(f"{result.race}: {tuned.verdict}", style=style)
     yield from facts(
         {
+            "plan": describe_choice(tuned.plans),
             "search flights": str(result.search_flights),
             "flights": f"{result.flights}, re-flights included",
             "lap time": seconds(result.best.lap_time),

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
+from hotlap.tuners.surrogates.threads import one_thread
 
 Floats = NDArray[np.float64]
 
@@ -65,8 +66,18 @@ class Walk(ABC, Generic[AnySettings]):
         if not self._points:
             return self._first[None].copy()
         if self._proposal is None:
-            self._proposal = self._next()
+            with one_thread():
+                self._proposal = self._next()
         return self._decode(self._proposal)[None]
+
+    def ask_together(self, n: int) -> Parameters:
+        """As many proposals as are asked for, all of one model, shape (n, S, K); the first of a run is the first guess, the others steps."""
+        first = [self.ask(1)[0]]
+        if not self._points:
+            steps = self.settings.step * self._steps(n - 1)
+            return np.array(first + [self._decode(self._encode(self._first) + step) for step in steps])
+        with one_thread():
+            return np.array(first + [self._decode(self._next()) for _ in range(n - 1)])
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
         """Store points and costs; True where a flight has the lowest cost so far."""

@@ -34,7 +34,7 @@ SYMBOLS = {  # letters of the paper, where it has them
     "horizon": "T",
 }
 RULES = {GateRule.CLOCK: "clock", GateRule.OPENING: "opening"}
-STREAMS = (Stream.SEARCH, Stream.CONFIRMATION, Stream.VALIDATION)
+STREAMS = {Stream.SEARCH: 0, Stream.CONFIRMATION: 1, Stream.VALIDATION: 2, Stream.SELECTION: 2}  # the page shows no flight of 2
 
 
 def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False) -> dict[str, Any]:
@@ -89,7 +89,8 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "confirm": settings.confirm,
         "validation": None if result is None or result.validation is None else _validation(result.validation),
         "wall_time": None if result is None else number(result.wall_time),
-        "remark": "" if result is None else result.remark,
+        "remark": snapshot.remark,
+        "plans": [plan.dump() for plan in snapshot.plans],
     }
 
 
@@ -118,7 +119,7 @@ def _flights(snapshot: Snapshot) -> dict[str, Any]:
         "completion": pack(ledger.completion),
         "mean_error": pack(ledger.mean_error),
         "lap_time": pack(ledger.lap_time),
-        "stream": [STREAMS.index(Stream(stream)) for stream in ledger.streams.tolist()],
+        "stream": [STREAMS[Stream(stream)] for stream in ledger.streams.tolist()],
         "accepted": ledger.accepted.astype(int).tolist(),
         "succeeded": succeeded(ledger, settings.goal).astype(int).tolist(),
         "failed_segment": ledger.failed_segment.tolist(),

@@ -109,7 +109,7 @@ def _facts(snapshot: Snapshot) -> dict[str, object]:
         "seed": settings.seed,
         "flights": "" if result is None else f"{result.flights} of at most {settings.budget}, re-flights included",
         "wall time": "" if result is None else f"{result.wall_time:.1f} s",
-        "remark": "" if result is None else result.remark,
+        "remark": snapshot.remark,
         "world": asked.world,
         "fingerprint": asked.fingerprint,
     }
