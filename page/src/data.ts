@@ -205,7 +205,25 @@ export interface Sensitivity {
   readonly by_segment: Table;
 }
 
+/** What is left of thrust and body rates over what the plan needs, where that is least. */
+export interface Margin {
+  readonly thrust: number;
+  readonly rates: number;
+  readonly place: string;
+}
+
+/** Why flights fail, and what to do about it; `tried`: flights without the cause. */
+export interface Cause {
+  readonly cause: string;
+  readonly found: string;
+  readonly advice: string;
+  readonly tried: { readonly flights: number; readonly successes: number } | null;
+  readonly supposed: string;
+}
+
 export interface Robustness extends Interval {
+  readonly margin: Margin | null;
+  readonly causes: readonly Cause[];
   readonly change: string;
   /** Whether somebody asked for this condition; pages of before do not say. */
   readonly asked?: boolean;

@@ -28,6 +28,7 @@ MOST = 3  # causes that are told
 FLIGHTS = 12  # of each trial
 HELPS = 0.25  # share of the flights by which a trial has to be better
 CHEAP = 5.0  # s of planning
+ENOUGH = 0.5  # share of the flights of a trial, below which it has not removed what makes them fail
 ALIKE = 0.1  # difference of two shares that says little
 
 Replan = Callable[[Race], Scenario]
@@ -57,11 +58,6 @@ class Diagnosis:
     supposed: str = ""
 
     @property
-    def untried(self) -> Diagnosis:
-        """The same without its trial."""
-        return replace(self, tried=None, supposed="")
-
-    @property
     def rate(self) -> float:
         """Share of the flights without the cause that met the goal [-]; -1 where that was not flown."""
         return -1.0 if self.tried is None else self.tried.rate
@@ -77,7 +73,8 @@ class Diagnosis:
         if self.tried is None:
             return ""
         supposed = f"{self.supposed}, " if self.supposed else ""
-        return f" ({supposed}{self.tried.successes} of {self.tried.flights} flights hold)"
+        enough = ": not enough by itself" if self.rate < ENOUGH else ""
+        return f" ({supposed}{self.tried.successes} of {self.tried.flights} flights hold{enough})"
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON."""
@@ -97,7 +94,7 @@ def diagnose(
 ) -> tuple[Diagnosis, ...]:
     """Why parameters fail, the likeliest cause first, at most three; none where they do not fail.
 
-    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless nothing does.
+    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless figures prove it or nothing helps.
 
     Args:
         scenario: that is flown.
@@ -115,12 +112,10 @@ def diagnose(
     before, suspicions = 1 - float(case.failed.mean()), suspect(case)
     tested = [trial.test(suspicion, before) for suspicion in suspicions]
     proved = [one for one in tested if one.rate >= before + HELPS]
-    certain = [one if one in proved else one.untried for one, suspicion in zip(tested, suspicions, strict=True) if suspicion.certain]
+    certain = [one for one, suspicion in zip(tested, suspicions, strict=True) if suspicion.certain]
     roots = sorted((one for one in proved if one.cause not in SYMPTOMS and one not in certain), key=lambda one: -one.rate)
     told = _each_once(without_symptoms([*certain, *roots, *(one for one in proved if one.cause in SYMPTOMS)]))
-    if told:
-        return tuple(told[:MOST])
-    return tuple(one.untried for one in tested if one.tried is None)[:MOST] or tuple(one.untried for one in tested[:1])
+    return tuple(told[:MOST] or tested[:1])
 
 
 def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
@@ -134,8 +129,9 @@ def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
 
 
 def _each_once(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
-    """Those whose advice none before them has given."""
-    return [one for i, one in enumerate(diagnoses) if one.advice not in {before.advice for before in diagnoses[:i]}]
+    """Those whose cause and advice none before them has."""
+    seen = [{word for before in diagnoses[:i] for word in (before.cause, before.advice)} for i in range(len(diagnoses))]
+    return [one for one, before in zip(diagnoses, seen, strict=True) if not {one.cause, one.advice} & before]
 
 
 def diagnose_logs(
