@@ -27,8 +27,8 @@ from hotlap.tuning.goal import Quantity
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.selection import FINALISTS, Contenders, Selection, merit
 from hotlap.tuning.settings import TuningSettings
-FEW = 4  # candidates of a population that are confirmed
 
+FEW = 4  # candidates of a population that are confirmed
 
 
 @dataclass(frozen=True)
