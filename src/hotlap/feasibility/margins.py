@@ -158,6 +158,8 @@ def explain(race: Race, reference: Reference, found: Margin, *, planned: bool = 
     if found.enough:
         return ""
     verdict = "no weights will help" if found.lacking else "hardly any is left to correct with"
+    if not found.lacking and found.thrust >= ENOUGH:
+        verdict = "less what the rotors need to turn the drone, hardly any is left to correct with"
     verdict = "for a while less than that is there" if found.thrust < 1 and found.passing else verdict
     cure = help_with(race, reference, found, planned=planned)
     return f"{found.figure} of the thrust that is needed {found.place}: {verdict}; {cure}"
@@ -198,7 +200,8 @@ def describe_margins(race: Race, reference: Reference, found: Sequence[Margin], 
         planned: whether it was planned.
     """
     for one in found:
-        remark = explain(race, reference, one, planned=planned) or f"of the thrust that is needed, {one.place}"
+        told = explain(race, reference, one, planned=planned).removeprefix(f"{one.figure} ")
+        remark = told or f"of the thrust that is needed, {one.place}"
         yield Finding(f"- {one.condition.name}" if one.condition.changes else "thrust left", one.figure, remark, note_if(not one.enough))
     rates, tight = found[0].rates, found[0].rates < ALL
     remark = f"of the body rates that are needed{'; raise controller.rates' * tight}"
