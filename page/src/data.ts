@@ -145,6 +145,9 @@ export interface Trace {
   readonly rotor_thrusts: Table;
   readonly command_thrust: Table;
   readonly command_rates: Table;
+  /** What the controller estimates of the vehicle, where it does. */
+  readonly thrust_effectiveness: Table | null;
+  readonly disturbance: Table | null;
   readonly gate_distance: Table;
   readonly seen_times: Table;
   readonly effort: Effort | null;

@@ -39,7 +39,7 @@ from hotlap.worlds.world import World
 
 PLANS = "plans"  # folder of the studies of all plans, within that of the race
 CALMER = 0.97  # of a share of the thrust, for a plan to be called calmer
-PARTS = 4  # of the budget: what one plan may take at most
+PARTS = 4  # of the budget, and of the minutes: what one plan may take at most
 FEWEST = 20  # flights of a plan beside its re-flights
 PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
 UNSEEN = 300_000  # first of the flights that tell whether parameters hold: nothing was chosen by their noise
@@ -133,7 +133,8 @@ class PlanChoice:
         shutil.rmtree(place, ignore_errors=True)
         with suppress(OSError):  # the others stay, to be looked at
             (self.folder / PLANS).rmdir()
-        return replace(configuration, settings=replace(configuration.settings, budget=self.left + chosen.flights))
+        left = {"budget": self.left + chosen.flights, "minutes": self.settings.minutes}
+        return replace(configuration, settings=replace(configuration.settings, **left))
 
     def _attempt(self, share: float) -> TriedPlan | None:
         """Plan with a share of the thrust, tune, and judge; None where too few flights are left."""
@@ -141,7 +142,8 @@ class PlanChoice:
         if budget < self.settings.confirm + FEWEST:
             return None
         try:
-            configuration = self.configure(self.race.with_share(share), replace(self.settings, budget=budget))
+            settings = replace(self.settings, budget=budget, minutes=self.settings.minutes / PARTS)
+            configuration = self.configure(self.race.with_share(share), settings)
         except PlanningError as error:
             tried = TriedPlan(share, None, 0, None, holds=False, end=f"there is no plan ({error.reason})")
         else:

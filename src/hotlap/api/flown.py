@@ -39,6 +39,7 @@ MOST_FLIGHTS = 100_000
 COLUMNS = (
     *("t", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"),
     *("u_1", "u_2", "u_3", "u_4", "command_thrust", "command_w_x", "command_w_y", "command_w_z"),
+    *("thrust_effectiveness", "disturbance_x", "disturbance_y", "disturbance_z"),
 )
 
 
@@ -190,7 +191,8 @@ def _parameters(asked: Asked, scenario: Scenario) -> Parameters:
 
 
 def write_log(path: Path, log: Log) -> None:
-    """One flight as CSV: time, state, rotor thrusts and command of each step."""
-    table = np.column_stack([log.times, log.states, log.rotor_thrusts, log.commands])
+    """One flight as CSV: time, state, rotor thrusts, command and the controller's estimates of each step; NaN where a world logs none."""
+    estimates = np.full((len(log.times), 4), np.nan) if log.estimates is None else log.estimates
+    table = np.column_stack([log.times, log.states, log.rotor_thrusts, log.commands, estimates])
     lines = [",".join(COLUMNS), *(",".join(map(repr, row)) for row in table.tolist())]
     replace(path, "\n".join(lines) + "\n")

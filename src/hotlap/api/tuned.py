@@ -22,7 +22,7 @@ from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
 from hotlap.core.parameters import Parameters
-from hotlap.core.seeds import Stream
+from hotlap.core.seeds import FLIGHTS_A_STREAM, Stream
 from hotlap.core.success_rate import Validation
 from hotlap.core.version import __version__
 from hotlap.feasibility.demands import advice
@@ -53,7 +53,8 @@ if TYPE_CHECKING:
     from hotlap.analysis.robustness import Robustness
 
 FASTEST = "race.toml"  # written by the search for the fastest plan
-NUMBERS = ("budget", "seed", "confirm", "validation", "reliability", "batch", "randomise", "samples")
+NUMBERS = ("budget", "seed", "confirm", "validation", "reliability", "batch", "randomise", "samples", "selection", "minutes")
+POPULATION = 32  # candidates that are flown at once where time is counted
 
 
 @dataclass(frozen=True, repr=False)
@@ -121,7 +122,8 @@ class TuningResult(Outcome):
             return f"budget of {count(result.flights, 'flight')} spent, no goal was set"
         if self.confirmed:
             return f"{result.goal} confirmed"
-        return f"{result.goal} NOT confirmed in {count(result.flights, 'flight')}; the best so far is kept"
+        kept = "the most reliable of what was found" if result.selection_flights else "the best so far"
+        return f"{result.goal} NOT confirmed in {count(result.flights, 'flight')}; {kept} is kept"
 
     def facts(self) -> dict[str, str]:
         """Verdict, flights, lap time, validation and paths."""
@@ -244,7 +246,7 @@ class _Job:
 
 def _check(asked: Asked) -> _Job:
     """Check everything that was asked for, the quick things first."""
-    settings = TuningSettings(goal=_goal(asked.goal), **{name: getattr(asked, name) for name in NUMBERS})
+    settings = _settings(asked)
     tuner, world = tuners.build(asked.tuner), worlds.build(asked.on)
     if asked.randomise and not world.takes_vehicle_parameters:
         raise InputError("", "randomise", f"{world.name} flies the vehicle that it has")
@@ -257,6 +259,16 @@ def _check(asked: Asked) -> _Job:
     if loose:
         asked.progress.note(f"note: {loose}")
     return _Job(asked, race, world, tuner, settings)
+
+
+def _settings(asked: Asked) -> TuningSettings:
+    """The numbers that were asked for; where time is counted, flights are not, unless that is asked for, too."""
+    settings = TuningSettings(goal=_goal(asked.goal), **{name: getattr(asked, name) for name in NUMBERS})
+    if not settings.minutes:
+        return settings
+    plain = TuningSettings()
+    budget = FLIGHTS_A_STREAM if settings.budget == plain.budget else settings.budget
+    return replace(settings, budget=budget, batch=POPULATION if settings.batch == plain.batch else settings.batch)
 
 
 def _goal(text: str) -> Goal:
@@ -289,7 +301,8 @@ def _tune(study: Study, world: World, asked: Asked, *, begun: bool) -> Result:
         if doom:
             asked.progress.note(f"note: {doom}")
     objective = Objective(configuration.scenario, world, configuration.metric, configuration.settings.randomise)
-    with asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
+    budget, flown, seconds = configuration.settings.budget, before.flights if before else 0, 60 * configuration.settings.minutes
+    with asked.progress.flights(budget, flown, seconds, before.wall_time if before else 0.0) as watch:
         result = study.run(objective, watch)
     if told := describe_beginning(configuration, study.flights()) if begun or before is None else "":
         asked.progress.note(f"note: {told}")

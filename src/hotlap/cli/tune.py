@@ -59,6 +59,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
             "plan": describe_choice(tuned.plans),
             "search flights": str(result.search_flights),
             "flights": f"{result.flights}, re-flights included",
+            "chosen by": f"{count(result.selection_flights, 'flight')} more" if result.selection_flights else "",
             "lap time": seconds(result.best.lap_time),
             "completion": f"{percent(result.best.completion)} of the gates, over {count(result.best.flights, 'flight')}",
             "holds in": "" if result.validation is None else share(result.validation),

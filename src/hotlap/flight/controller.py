@@ -67,8 +67,9 @@ class Controller:
         """Start anew, from hovering: forget the plan, the commands given before and what was learnt.
 
         Args:
-            thrust_effectiveness: where its estimate begins [-], 0.6 to 1.4, if it is known from hovering: thrust expected over thrust commanded.
-            disturbance: where its estimate begins, shape (3,) [m/s^2] (world), up to 12 along each axis.
+            thrust_effectiveness: [-] where its estimate begins, 0.6 to 1.4: the thrust expected over that commanded, as hovering
+                shows it.
+            disturbance: shape (3,) [m/s^2] (world) where its estimate begins, up to 12 along each axis.
 
         Raises:
             HotlapError: an estimate out of range, or one of a controller that is not offset-free.

@@ -18,7 +18,7 @@ from hotlap.flight.job import LOG_COLUMNS, Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.kernel import fly_queue
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.observer import drag_free, known_drag, largest_thrust, observer_numbers
+from hotlap.flight.observer import drag_free, known_drag, observer_numbers
 from hotlap.flight.plant import autopilot_numbers, model_numbers, vehicle_numbers
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import switch_number
@@ -88,7 +88,7 @@ def settings_of(scenario: Scenario) -> Settings:
     """The settings that all flights over a scenario share, as plain numbers."""
     race = scenario.race
     controller, noise, control_model = race.controller, race.noise, race.control_model
-    lead = race.prediction
+    lead, (least, most) = race.prediction, scenario.thrust_limits
     settings = Settings(
         nodes=controller.nodes,
         sweeps=controller.sweeps,
@@ -123,8 +123,8 @@ def settings_of(scenario: Scenario) -> Settings:
         corrected=scenario.corrects_target,
         acted_periods=0,
         acted_rest=0.0,
-        least_thrust=controller.thrust[0],
-        largest_thrust=largest_thrust(race),
+        least_thrust=least,
+        largest_thrust=most,
         thrust_limit=controller.thrust[1],
     )
     return acting(predicting(settings, lead), control_model.delay)

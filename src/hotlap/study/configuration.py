@@ -28,8 +28,8 @@ from hotlap.tuning.scoring import Metric
 
 GIVEN = "given"  # name of a first guess that a program passed as numbers
 MAY_DIFFER = ("budget", "selection", "minutes", "first_guess_name", "rival", "race.planning.dynamics")
-"""A study may be given a larger budget, other flights to choose its result by, and other minutes, and goes on with the rival that it has. Of
-a first guess the numbers are compared, and of a plan the reference, however they were found."""
+"""A study may be given a larger budget, other flights to choose its result by, and other minutes, and goes on with the rival that it has.
+Of a first guess the numbers are compared, and of a plan the reference, however they were found."""
 FORMER: Mapping[str, Any] = {"lag_lead": 0.0, "offset_free": False, "reference_drag": False}
 """Keys of the controller that studies of earlier versions do not have, with the values by which those were flown."""
 

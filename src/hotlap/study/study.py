@@ -33,6 +33,7 @@ from hotlap.study.tried_plan import TriedPlan
 from hotlap.tuners.tuner import remark_of
 from hotlap.tuning.loop import Batch, Tuning, tune
 from hotlap.tuning.objective import Objective
+from hotlap.tuning.timekeeper import Timekeeper
 
 RUNS = Path("runs")
 
@@ -230,9 +231,12 @@ class Study:
             StudyError: the objective's world, metric, cost or randomisation is not the study's.
         """
         self._check(objective)
-        for batch in tune(objective, self.tuning):
+        tuning = self.tuning
+        keeper = Timekeeper(tuning, self.wall_time)
+        for batch in tune(objective, tuning):
             self.record(batch)
             watch(batch)
+            keeper.attend()
         result = self.result
         assert result is not None, "a run that has ended has flown"  # noqa: S101  our own mistake
         return result

@@ -104,7 +104,7 @@ class GateGp(Walk[GateGpSettings]):
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin at the first guess."""
         super().start(first_guess, space, rng)
-        self._misses: list[list[float]] = []
+        self._misses: list[list[float | None]] = []
         self._gate_segments: list[int] = []
         self._kernel: GateKernel | None = None
         self._searched_at = 0
@@ -113,7 +113,7 @@ class GateGp(Walk[GateGpSettings]):
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
         """Store points, costs and misses; True where a flight has the lowest cost so far."""
         if self.settings.gates:
-            self._misses += scores.gate_miss.tolist()
+            self._misses += [[miss if math.isfinite(miss) else None for miss in flight] for flight in scores.gate_miss.tolist()]
             self._gate_segments = scores.gate_segment[0].tolist()
         return super().tell(parameters, scores)
 
@@ -121,7 +121,7 @@ class GateGp(Walk[GateGpSettings]):
         """All flights, the kernel, the current proposal and the random generator."""
         return {
             **super().state(),
-            "misses": [[miss if math.isfinite(miss) else None for miss in flight] for flight in self._misses],
+            "misses": list(self._misses),  # JSON has no NaN
             "gate_segments": self._gate_segments,
             "kernel": None if self._kernel is None else self._kernel.numbers.tolist(),
             "searched_at": self._searched_at,
@@ -130,7 +130,7 @@ class GateGp(Walk[GateGpSettings]):
     def restore(self, state: dict[str, Any]) -> None:
         """Continue from a `state()`."""
         super().restore(state)
-        self._misses = [[math.nan if miss is None else miss for miss in flight] for flight in state["misses"]]
+        self._misses = [list(flight) for flight in state["misses"]]
         self._gate_segments = list(state["gate_segments"])
         self._kernel = None if state["kernel"] is None else GateKernel(np.array(state["kernel"]))
         self._searched_at = state.get("searched_at", len(self._points))
@@ -244,12 +244,16 @@ class GateGp(Walk[GateGpSettings]):
         """The misses of some flights, or their costs, and in which processes each flight counts."""
         if not self._gate_segments:
             return processes.spread(costs[list(chosen), None])
-        return values_of(processes, np.array([self._misses[i] for i in chosen]).reshape(len(chosen), processes.size))
+        return values_of(processes, self._missed(chosen))
+
+    def _missed(self, chosen: Sequence[int]) -> Floats:
+        """Misses of some flights, shape (n, M)."""
+        return np.array([self._misses[i] for i in chosen], dtype=np.float64).reshape(len(chosen), len(self._gate_segments))
 
     def _groups(self, costs: Floats, chosen: NDArray[np.intp]) -> list[Group]:
         """The data of some flights: the misses at the gates of each segment, or the cost."""
         if self._gate_segments:
-            return gate_groups(np.array(self._misses)[chosen], np.array(self._gate_segments))
+            return gate_groups(self._missed(chosen.tolist()), np.array(self._gate_segments))
         return [Group(None, np.arange(1), np.arange(len(chosen)), costs[chosen, None])]
 
     def _acquisition(self, means: Floats, deviations: Floats, noises: Floats, k: float) -> Floats:

@@ -71,7 +71,7 @@ class Walk(ABC, Generic[AnySettings]):
         return self._decode(self._proposal)[None]
 
     def ask_together(self, n: int) -> Parameters:
-        """As many proposals as are asked for, all of one model, shape (n, S, K); the first of a run is the first guess, the others steps."""
+        """Proposals of one model, shape (n, S, K); at the beginning the first guess and steps from it."""
         first = [self.ask(1)[0]]
         if not self._points:
             steps = self.settings.step * self._steps(n - 1)
@@ -94,7 +94,7 @@ class Walk(ABC, Generic[AnySettings]):
     def state(self) -> dict[str, Any]:
         """All flights, the current proposal and the random generator."""
         return {
-            "points": [list(point) for point in self._points],
+            "points": list(self._points),  # no point is written into
             "costs": [cost if math.isfinite(cost) else None for cost in self._costs],  # JSON has no infinity
             "proposal": None if self._proposal is None else self._proposal.tolist(),
             "rng": self._rng.bit_generator.state,

@@ -25,10 +25,12 @@ from hotlap.tuners.tuner import Tuner, asked_together, recommended_by
 from hotlap.tuning.candidate import Candidate, reported_scores, summarise
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.objective import Objective
-from hotlap.tuning.selection import FINALISTS, Contenders, Selection, merit
+from hotlap.tuning.selection import FINALISTS, KNOWN, Contenders, Finalist, Selection, merit
 from hotlap.tuning.settings import TuningSettings
-FEW = 4  # candidates of a population that are confirmed
 
+FOREVER = 1e9  # minutes after which a search has ended that was told to end
+FEW = 4  # candidates of a population that are confirmed
+SCREENED = 48  # flights after which a validation of one may be given up
 
 
 @dataclass(frozen=True)
@@ -111,8 +113,8 @@ class Tuning:
         self.validation: Validation | None = None
         self.search_flights = 0
         self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0, Stream.VALIDATION: 0, Stream.SELECTION: 0}
-        self._contenders, self._selection = Contenders(), None
-        self._selected_at, self._ended, self._selection_flights = -1, False, settings.selection
+        self._contenders, self._known, self._selection = Contenders(), list[Finalist](), None
+        self._selected_at, self._ended, self._selection_flights = -1, 0.0, settings.selection
         tuner.start(guess, scenario.space, np.random.default_rng(settings.seed))
         if state is not None:
             self._restore(state)
@@ -143,7 +145,8 @@ class Tuning:
         Args:
             selection: flights by which it is chosen; None: as the settings say.
         """
-        self._ended, self._selection_flights = True, self.settings.selection if selection is None else selection
+        self._ended = self.settings.minutes or FOREVER
+        self._selection_flights = self.settings.selection if selection is None else selection
 
     @property
     def searched(self) -> bool:
@@ -154,7 +157,7 @@ class Tuning:
     def _searched(self) -> bool:
         """Whether a candidate is confirmed, the budget spent or the time over."""
         left = self.settings.budget - self.flights
-        return self.best is not None and (self.best.confirmed or self._ended or left < self.settings.flights_each)
+        return self.best is not None and (self.best.confirmed or self._ended > 0 or left < self.settings.flights_each)
 
     @property
     def _selected(self) -> bool:
@@ -184,16 +187,17 @@ class Tuning:
             if not self._is_confirmed(flown[i]):
                 continue
             if self.settings.validation:
-                validation, ledger, repeats = yield from self._validate(parameters[i])
+                validation, ledger, repeats = yield from (self._screen if self.settings.minutes else self._validate)(parameters[i])
                 ledgers.append(ledger)
                 if validation.rate < self.settings.wanted:
                     flown[i] = Scores.join([flown[i], repeats])
                     failed[i] = validation
+                    self._remember(Finalist(parameters[i]).flown(repeats, self.settings.goal))
                     continue
             confirmed, validation = i, None if self.settings.minutes else validation  # of many, the luckiest: it is validated again
             self.search_flights = before + (len(scores) if self.settings.minutes else (i + 1) * each)
             break
-        reported = Scores.join([reported_scores(scores, self.settings.goal) for scores in flown])
+        reported = Scores.join([reported_scores(scores, self.settings.goal, self.settings.caution) for scores in flown])
         ledgers[0] = ledgers[0].accept(np.repeat(self.tuner.tell(parameters, reported), each))
         rates = {i: validation.rate for i, validation in failed.items()}
         candidates = [summarise(parameters[i], scores, confirmed == i, rates.get(i, 0.0)) for i, scores in enumerate(flown)]
@@ -216,7 +220,7 @@ class Tuning:
 
     def _select(self) -> Generator[Request, Scores, Ledger]:
         """One round of the selection among the candidates that look best and those that the tuner recommends."""
-        selection = self._selection or Selection.begin(self._finalists(), self._selection_flights)
+        selection = self._selection or Selection.begin(self._finalists(), self._selection_flights, self._known)
         parameters = np.repeat(np.array([one.parameters for one in selection.finalists]), selection.flights_each, axis=0)
         ledger, scores = yield from self._fly(Stream.SELECTION, parameters)
         self._selection = selection.after(scores, self.settings.goal)
@@ -224,7 +228,7 @@ class Tuning:
         if winner is not None:
             self._selection, self._selected_at = None, self.flights
             self.best, self.validation = winner.candidate, None
-            self._contenders.add(winner.parameters, winner.merit)
+            self._remember(winner)
         return ledger
 
     def _finalists(self) -> list[Parameters]:
@@ -234,11 +238,16 @@ class Tuning:
         mixed = [one for pair in zip(ours, theirs, strict=False) for one in pair] + ours[len(theirs) :] + theirs[len(ours) :]
         return list({one.tobytes(): one for one in mixed}.values())[:FINALISTS]
 
+    def _remember(self, flown: Finalist) -> None:
+        """Keep a candidate that was flown often, if it is among the best of these."""
+        others = [one for one in self._known if one.parameters.tobytes() != flown.parameters.tobytes()]
+        self._known = sorted([*others, flown], key=lambda one: one.rank, reverse=True)[:KNOWN] if self.settings.selection else []
+
     def _consider(self, parameters: Parameters, flown: Sequence[Scores], rates: Mapping[int, float]) -> None:
         """Remember candidates for the selection."""
         if self.settings.selection:
             for i, scores in enumerate(flown):
-                self._contenders.add(parameters[i], merit(scores, self.settings.goal, rates.get(i, 0.0)))
+                self._contenders.add(parameters[i], merit(scores, self.settings.goal, 0.0 if self.settings.minutes else rates.get(i, 0.0)))
 
     def _choose(self, candidates: Sequence[Candidate], validation: Validation | None) -> None:
         """Keep the best candidate, with its validation if it has been confirmed."""
@@ -291,6 +300,17 @@ class Tuning:
         ledger, scores = yield from self._fly(Stream.VALIDATION, repeated)
         return Validation(len(scores), int(self.settings.goal.succeeded(scores).sum())), ledger, scores
 
+    def _screen(self, parameters: Parameters) -> Generator[Request, Scores, tuple[Validation, Ledger, Scores]]:
+        """The same, given up as soon as too many have failed."""
+        allowed, ledgers, flown = (1 - self.settings.wanted) * self.settings.validation, [], []
+        failures, left = 0, self.settings.validation
+        while left and failures <= allowed:
+            ledger, scores = yield from self._fly(Stream.VALIDATION, np.repeat(parameters[None], min(left, SCREENED), axis=0))
+            ledgers, flown, left = [*ledgers, ledger], [*flown, scores], left - len(scores)
+            failures += int((~self.settings.goal.succeeded(scores)).sum())
+        validation = Validation(self.settings.validation - left, self.settings.validation - left - failures)
+        return validation, Ledger.join(ledgers), Scores.join(flown)
+
     def _is_confirmed(self, flown: Scores) -> bool:
         """Whether a candidate's flight and all its re-flights met the goal."""
         return len(flown) == self.settings.flights_each + self.settings.confirm and bool(self.settings.goal.met(flown).all())
@@ -303,6 +323,7 @@ class Tuning:
         counts = {"flown": flown, "search_flights": self.search_flights}
         selection = None if self._selection is None else self._selection.dump()
         selecting = {"contenders": self._contenders.dump(), "selection": selection, "selected_at": self._selected_at}
+        selecting["known"] = [one.dump() for one in self._known]
         ended = {"ended": self._ended, "selection_flights": self._selection_flights}
         return {**counts, "best": best, "validation": validation, **selecting, **ended, "tuner": self.tuner.state()}
 
@@ -313,10 +334,11 @@ class Tuning:
         self.best = None if state["best"] is None else Candidate.load(state["best"])
         self.validation = None if state["validation"] is None else Validation(**state["validation"])
         self._contenders = Contenders.load(state.get("contenders", ()))
+        self._known = [Finalist.load(one) for one in state.get("known", ())]
         self._selection = Selection.load(state["selection"]) if state.get("selection") else None
         self._selected_at = state.get("selected_at", self.flights if self.validation is not None else -1)
-        if state.get("ended"):
-            self.end_search(state["selection_flights"])
+        if state.get("ended") and (not self.settings.minutes or state["ended"] >= self.settings.minutes):  # else it has been given more
+            self._ended, self._selection_flights = state["ended"], state["selection_flights"]
         self.tuner.restore(state["tuner"])
 
 

@@ -2,7 +2,8 @@
 
 Among many candidates, that with the luckiest flight is rarely the most reliable, and the more flights, the luckier it is. So the candidates
 that look best are flown again, with noise of their own, by sequential halving (Z. Karnin, T. Koren, O. Somekh, ICML 2013): every round has
-the same number of flights, shared out equally among those that are left, and half of them go on.
+the same number of flights, shared out equally among those that are left, and half of them go on. Candidates that failed a validation join
+for the last rounds, with its flights.
 """
 
 from __future__ import annotations
@@ -18,16 +19,17 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.success_rate import wilson_interval
 from hotlap.tuning.candidate import Candidate
-from hotlap.tuning.goal import Goal
+from hotlap.tuning.goal import Goal, Quantity
 
-FINALISTS = 64
+FINALISTS = 32
+KNOWN = 4  # candidates with a validation that join when so few are left
 FAR = 1e9  # what a cost that is not finite, or larger, counts as
 
 Merit = tuple[float, ...]
 
 
 def merit(flown: Scores, goal: Goal, validation_rate: float = 0.0) -> Merit:
-    """How good a candidate looks by all its flights, the larger the better: lower bounds on its success rate, completion, dense cost.
+    """How good a candidate looks by all its flights, the larger the better: lower bounds on its success rate, completion, cost.
 
     Args:
         flown: its flights.
@@ -35,7 +37,8 @@ def merit(flown: Scores, goal: Goal, validation_rate: float = 0.0) -> Merit:
         validation_rate: of a validation that it failed.
     """
     successes, completion = int(goal.succeeded(flown).sum()), float(flown.completion.mean())
-    cost = float(np.minimum(np.nan_to_num(flown.dense, nan=FAR, posinf=FAR), FAR).mean())
+    costs = flown.dense if goal.quantity is Quantity.COMPLETION else flown.cost
+    cost = float(np.minimum(np.nan_to_num(costs, nan=FAR, posinf=FAR), FAR).mean())
     return validation_rate, wilson_interval(successes, len(flown))[0], completion, -cost
 
 
@@ -113,6 +116,15 @@ class Finalist:
             self.laps + len(laps),
         )
 
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON."""
+        return {**vars(self), "parameters": self.parameters.tolist()}
+
+    @staticmethod
+    def load(plain: Mapping[str, Any]) -> Finalist:
+        """The inverse of `dump`."""
+        return Finalist(**{**plain, "parameters": np.array(plain["parameters"])})
+
     @property
     def candidate(self) -> Candidate:
         """With the means over its flights in the selection."""
@@ -134,24 +146,31 @@ class Selection:
     Attributes:
         finalists: that are left.
         each_round: flights that a round may take.
+        known: candidates that were flown often before, who join when no more than `KNOWN` finalists are left.
     """
 
     finalists: tuple[Finalist, ...]
     each_round: int
+    known: tuple[Finalist, ...] = ()
 
     @staticmethod
-    def begin(candidates: Sequence[Parameters], flights: int) -> Selection:
+    def begin(candidates: Sequence[Parameters], flights: int, known: Sequence[Finalist] = ()) -> Selection:
         """Before the first round.
 
         Args:
             candidates: each of shape (S, K), the most promising first; those that flights are too few for are left out.
             flights: that all rounds may take together.
+            known: candidates that were flown often before; the best `KNOWN` of them count.
         """
-        count = min(len(candidates), flights)
-        rounds = max(1, math.ceil(math.log2(max(count, 1))))
+        best = sorted(known, key=lambda one: one.rank, reverse=True)[:KNOWN]
+        joined = {one.parameters.tobytes() for one in best}
+        unknown = [one for one in candidates if one.tobytes() not in joined]
+        count = min(len(unknown), flights)
+        rounds = max(1, math.ceil(math.log2(max(count, 1)))) + (1 if best else 0)
         while count > 1 and flights // rounds < count:
             count = flights // rounds
-        return Selection(tuple(Finalist(parameters) for parameters in candidates[: max(count, 1)]), max(1, flights // rounds))
+        finalists = tuple(Finalist(parameters) for parameters in unknown[:count])
+        return Selection(finalists, max(1, flights // rounds), tuple(best))._joined()
 
     @property
     def flights_each(self) -> int:
@@ -168,7 +187,13 @@ class Selection:
         each = self.flights_each
         flown = [one.flown(scores.rows(slice(i * each, (i + 1) * each)), goal) for i, one in enumerate(self.finalists)]
         flown.sort(key=lambda one: one.rank, reverse=True)
-        return Selection(tuple(flown[: (len(flown) + 1) // 2]), self.each_round)
+        return Selection(tuple(flown[: (len(flown) + 1) // 2]), self.each_round, self.known)._joined()
+
+    def _joined(self) -> Selection:
+        """With those that are known, if it is time."""
+        if not self.known or len(self.finalists) > KNOWN:
+            return self
+        return Selection((*self.finalists, *self.known), self.each_round)
 
     @property
     def winner(self) -> Finalist | None:
@@ -177,13 +202,11 @@ class Selection:
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON."""
-        return {
-            "finalists": [{**vars(one), "parameters": one.parameters.tolist()} for one in self.finalists],
-            "each_round": self.each_round,
-        }
+        lists = {name: [one.dump() for one in getattr(self, name)] for name in ("finalists", "known")}
+        return {**lists, "each_round": self.each_round}
 
     @staticmethod
     def load(plain: Mapping[str, Any]) -> Selection:
         """The inverse of `dump`."""
-        finalists = [Finalist(**{**one, "parameters": np.array(one["parameters"])}) for one in plain["finalists"]]
-        return Selection(tuple(finalists), plain["each_round"])
+        finalists, known = (tuple(Finalist.load(one) for one in plain[name]) for name in ("finalists", "known"))
+        return Selection(finalists, plain["each_round"], known)

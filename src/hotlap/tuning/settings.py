@@ -13,6 +13,7 @@ CONFIRMATIONS = 4  # "flown four times more", Sec. IV-A
 SAMPLES = 4  # flights of a candidate, where vehicles differ
 SAMPLES_TOGETHER = 8  # likewise, where populations are flown
 WANTED = 0.985  # success rate at which a search of some minutes ends before them
+CAUTION = 1.0  # standard deviations
 MOST_MINUTES = 7 * 24 * 60
 
 
@@ -50,6 +51,11 @@ class TuningSettings:
     def flights_each(self) -> int:
         """Flights of a candidate in the search, before its re-flights."""
         return self.samples or ((SAMPLES_TOGETHER if self.minutes else SAMPLES) if self.randomise else 1)
+
+    @property
+    def caution(self) -> float:
+        """Standard deviations over a candidate's flights by which a gate's miss counts as more than its mean: it must pass in all."""
+        return CAUTION if self.minutes and self.flights_each > 1 else 0.0
 
     @property
     def wanted(self) -> float:
