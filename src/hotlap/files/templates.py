@@ -62,7 +62,6 @@ EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
         "planning.ramp.thrust_to_weight": 1.5,
         "planning.ramp.rate": 4.5,
         "planning.floor": -5.0,
-        "controller.offset_free": True,
     },
 }
 
