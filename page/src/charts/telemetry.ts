@@ -6,6 +6,7 @@ import type { Table } from "../table";
 import { type Quantity, TimeChart } from "./timechart";
 
 const NAMES = ["roll rate", "pitch rate", "yaw rate"];
+const EFFECTIVENESS: readonly [number, number] = [0.6, 1.4]; // what it is estimated within
 const NOTHING: Table = { values: new Float32Array(), shape: [0] };
 
 /** The card with all charts over time. */
@@ -69,7 +70,7 @@ function rate(axis: number): (app: App) => Quantity {
 
 /** The thrust that the controller takes a command to give, over what its model says. */
 function effectiveness(): Quantity {
-  return { title: "thrust effectiveness, estimated", unit: "-", height: 150, of: (trace) => trace.thrust_effectiveness ?? NOTHING };
+  return { title: "thrust effectiveness, estimated", unit: "-", height: 150, of: (trace) => trace.thrust_effectiveness ?? NOTHING, between: EFFECTIVENESS };
 }
 
 /** The acceleration that neither thrust nor model explains. */

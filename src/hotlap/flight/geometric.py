@@ -148,8 +148,8 @@ def control_geometric(s: Settings, g: Geometric, p: ControlLoop) -> None:
     """One control step on all lanes: from the state seen to the command, `history[0]`."""
     if s.corrected:
         observe(s, p)
-        push_of(p, p.drag, False, p.push)
-        correct_target(p, g.reference[0], False, g.push)
+        push_of(p, p.seen, p.acted, False, p.push)
+        correct_target(p, g.reference[0], g.push)
         for i in range(3):
             g.acceleration[i] = g.acceleration[i] - g.push[i]
         if s.offset_free:

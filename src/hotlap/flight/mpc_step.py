@@ -112,11 +112,11 @@ def controls(predict: Any, solve: Any, *, model_has_drag: bool = False) -> tuple
 
     @njit(**INLINE)
     def correct(s: Settings, m: Mpc, p: ControlLoop) -> None:
-        """Observe, and correct target and bounds for what was learnt and for drag."""
+        """Observe, and correct targets, bounds and prediction for what was learnt and for drag."""
         observe(s, p)
-        push_of(p, p.drag, model_has_drag, p.push)
-        for n in range(len(m.push)):
-            correct_target(p, m.reference[n], model_has_drag, m.push[n])
+        push_of(p, p.seen, p.acted, model_has_drag, p.push)
+        for n in range(len(m.reference)):
+            correct_target(p, m.reference[n], m.push[n])
         if s.offset_free:
             plan_bounds(s, p, m.low, m.high)
 
@@ -129,6 +129,9 @@ def controls(predict: Any, solve: Any, *, model_has_drag: bool = False) -> tuple
         predict(s, m.constants, p)
         for i in range(10):
             m.X[0, i] = p.seen[i]
+        if s.corrected:
+            for n in range(len(m.U)):
+                push_of(p, m.X[n], m.U[n], model_has_drag, m.push[n])
 
     @njit(**INLINE)
     def control(s: Settings, m: Mpc, p: ControlLoop) -> None:

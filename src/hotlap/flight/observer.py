@@ -12,8 +12,8 @@ T is the thrust that was commanded a known dead time ago, within the rotors' lim
 not learnt: rotors that can give no more say nothing about the thrust of a command.
 
 The controller plans effective thrust: it commands T / k, may plan up to k times what may be commanded, and predicts with k times what was
-commanded. At each node of the horizon the acceleration a = d - drag(reference) acts besides the model, and the node's target makes up for
-it: thrust and body z of T z = T_ref z_ref - a, by the least tilt, where the table of the reference has no drag (`drag_free`).
+commanded. At each node of the horizon the acceleration d - drag acts besides the model: of the last plan, or of the target, where the
+thrust and body z of T z = T_ref z_ref - (d - drag) make up for it by the least tilt; the table of the reference has no drag (`drag_free`).
 """
 
 from __future__ import annotations
@@ -156,37 +156,36 @@ observe_motion, turn_target = compiled(observation_stage), compiled(target_stage
 
 @njit(**INLINE)
 def observe(s: Settings, p: Any) -> None:
-    """Take the state seen into the estimates of all lanes, and find the acceleration that the model leaves out now, `ControlLoop.push`.
+    """Take the state seen into the estimates of all lanes.
 
     Args:
         s: settings.
-        p: the control loop's memory, as numbers.
+        p: the control loop's memory, as numbers; `acted` is the command that acted until now, as the model understands it.
     """
     n = s.acted_periods
     p.sent[0] = p.history[n, 0] + s.acted_rest * (p.history[n + 1, 0] - p.history[n, 0])
     p.acted[0] = p.estimate[EFFECTIVENESS] * p.sent[0]
-    air_drag(p.seen, p.acted, p.known_drag, p.drag)
     if s.offset_free:
+        air_drag(p.seen, p.acted, p.known_drag, p.drag)
         observe_motion(p.estimate, p.seen, p.sent, p.drag, p.observer, p.estimate)
 
 
 @njit(**INLINE)
-def push_of(p: Any, drag: Any, model_has_drag: bool, push: Any) -> None:
-    """The acceleration that acts besides a model: d, and the drag where the model has none."""
+def push_of(p: Any, state: Any, command: Any, model_has_drag: bool, push: Any) -> None:
+    """The acceleration that acts besides a model, (3,): d, and where the model has no drag, that of a state and an input (4,)."""
     for i in range(3):
-        push[i] = p.estimate[DISTURBANCE + i] if model_has_drag else p.estimate[DISTURBANCE + i] - drag[i]
+        push[i] = p.estimate[DISTURBANCE + i]
+    if not model_has_drag:
+        air_drag(state, command, p.known_drag, p.drag)
+        for i in range(3):
+            push[i] = push[i] - p.drag[i]
 
 
 @njit(**INLINE)
-def correct_target(p: Any, target: Any, model_has_drag: bool, push: Any) -> None:
-    """Correct the target of one node, (14,) p q v inputs, and find the acceleration that acts there besides the model, (3,)."""
-    air_drag(target[:10], target[10:], p.known_drag, p.drag)
-    for i in range(3):
-        push[i] = p.estimate[DISTURBANCE + i] - p.drag[i]
-    turn_target(target, push, target)
-    if model_has_drag:
-        for i in range(3):
-            push[i] = p.estimate[DISTURBANCE + i]
+def correct_target(p: Any, target: Any, acceleration: Any) -> None:
+    """Correct the target of one node, (14,) p q v inputs, for the acceleration that acts there besides gravity and thrust, (3,)."""
+    push_of(p, target[:10], target[10:], False, acceleration)
+    turn_target(target, acceleration, target)
 
 
 @njit(**INLINE)
