@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hotlap.files import toml_writer
 from hotlap.files.documented_keys import documented_keys
-from hotlap.race import gate, obstacles, race, track
+from hotlap.race import battery, gate, obstacles, race, track
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.schema import Described
 
@@ -19,6 +19,7 @@ DESCRIPTIONS: dict[str, type[Described]] = {
     "sphere": obstacles.Sphere,
     "box": obstacles.Box,
     "quadrotor": Quadrotor,
+    "battery": battery.Battery,
     "race": race.Race,
     "planning": race.PlanningSettings,
     "ramp": race.Ramp,

@@ -204,6 +204,8 @@ export interface Sensitivity {
 
 export interface Robustness extends Interval {
   readonly change: string;
+  /** Whether somebody asked for this condition; pages of before do not say. */
+  readonly asked?: boolean;
 }
 
 export interface Configuration {

@@ -15,7 +15,7 @@ from fake_world import FakeWorld, make_scenario
 from hotlap import tuners, worlds
 from hotlap.analysis import resumable
 from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of, fly_cells, missing
-from hotlap.analysis.comparison_table import ALL, cells_of, completion_band, markdown, overall, profiles, rows_of, summarise
+from hotlap.analysis.comparison_table import ALL, cells_of, completion_band, held_cells_of, markdown, overall, profiles, rows_of, summarise
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.core.errors import StudyError
 from hotlap.planning import preparation
@@ -239,5 +239,22 @@ def test_tables_have_a_cell_for_every_column():
     rows = rows_of([make_run(), make_run(seed=1, confirmed=False, lap_time=math.nan)])
     header, *body = cells_of(rows)
     assert all(len(cells) == len(header) for cells in body)
-    assert markdown(rows).splitlines()[1].count("---") == len(header)
-    assert "50 [9, 91]" in markdown(rows), "one of two, with Wilson's interval"
+    assert markdown(cells_of(rows)).splitlines()[1].count("---") == len(header)
+    assert "50 [9, 91]" in markdown(cells_of(rows)), "one of two, with Wilson's interval"
+
+
+def test_what_runs_hold_under_has_a_table_with_a_column_for_each_condition():
+    held = [(("as tuned", 50, 50), ("10 % heavier", 50 * k, 50)) for k in range(2)]
+    rows = rows_of([make_run(seed=k, held=held[k]) for k in range(2)] + [make_run("b")])
+    header, asked, other = held_cells_of(rows)
+    assert header == ["race", "tuner", "as tuned %", "10 % heavier %"]
+    assert asked[2] == "100 [100, 100]"
+    assert asked[3].startswith("50 [")
+    assert other[2:] == ["-", "-"]
+    assert held_cells_of(rows_of([make_run()])) == [], "nobody asked"
+    assert rows[0].dump()["held"][1]["rate"] == 0.5
+
+
+def test_a_run_with_what_it_holds_under_is_read_back_equal():
+    run = make_run(held=(("as tuned", 49, 50), ("10 % heavier", 3, 50)))
+    assert Run.load(json.loads(json.dumps(run.dump()))) == run

@@ -43,7 +43,7 @@ class Knowing(FakeWorld):
 
     def fly(self, scenario, parameters, seeds, *, vehicle_parameters=None, log=()):
         race = scenario.race
-        well = race.control_model.delay == race.vehicle.delay and race.planning.thrust_share < 0.7
+        well = race.control_model.delay == race.vehicle.delay and race.thrust_share < 0.7
         return FakeWorld(reach=0.0 if well else 2.8).fly(scenario, parameters, seeds, vehicle_parameters=vehicle_parameters, log=log)
 
 
@@ -109,6 +109,6 @@ def test_a_slower_plan_is_advised_where_its_flights_are_better():
     scenario = with_race(straight, vehicle=strong, controller=straight.race.controller.model_copy(update={"thrust": (0.1, 50.0)}))
     found = findings(Knowing(), scenario, lambda race: replace(scenario, race=race))["with a slower plan"]
     share = float(found.remark.split(" = ")[1].split(":")[0])
-    assert share < scenario.race.planning.thrust_share
+    assert share < scenario.race.thrust_share
     assert "with a slower plan" not in findings(FakeWorld(reach=2.8), scenario, lambda race: replace(scenario, race=race))
     assert "with a slower plan" not in findings(Knowing(), scenario, None)

@@ -8,7 +8,7 @@ import math
 import pytest
 
 from hotlap.analysis import fastest as search
-from hotlap.analysis.fastest import PlanSettings, Trial, first_plan_settings
+from hotlap.analysis.plan_trials import NEAREST_GATE, PlanSettings, Trial, first_plan_settings, neighbours
 from hotlap.cli import fastest, main
 from hotlap.files.descriptions import load_parameters, load_race
 from hotlap.race.race import Race
@@ -41,7 +41,7 @@ def test_it_goes_as_far_as_what_is_tried_holds():
     plan_settings, found = search.fastest(RACE, "guided_walk", SETTINGS, do, judge)
     assert found["lap"] == pytest.approx(30 - 3.2, abs=0.1)
     assert len({one.key for one in tried}) == len(tried)
-    assert plan_settings.tolerance <= search.NEAREST_GATE * RACE.judge.distance
+    assert plan_settings.tolerance <= NEAREST_GATE * RACE.judge.distance
 
 
 def test_what_held_by_luck_is_passed_over():
@@ -101,15 +101,14 @@ def test_a_search_ends_where_there_is_no_plan_at_all():
 def test_a_plan_asks_for_no_more_than_vehicle_and_controller_can(mass):
     race = RACE.model_copy(update={"vehicle": RACE.vehicle.model_copy(update={"mass": mass})})
     most = max(
-        plan_settings.applied(race).planning_model.max_acceleration
-        for plan_settings in search.neighbours(race, PlanSettings(20.0, 0.2, 1.4), 1.0)
+        plan_settings.applied(race).planning_model.max_acceleration for plan_settings in neighbours(race, PlanSettings(20.0, 0.2, 1.4), 1.0)
     )
     possible = min(race.vehicle.max_acceleration, 0.95 * race.controller.thrust[1])
     assert most <= max(possible, race.planning_model.max_acceleration) + 1e-9
 
 
 def test_what_is_tried_can_be_written_as_a_race():
-    for plan_settings in search.neighbours(RACE, PlanSettings(195.0, 4.9), 1.0):
+    for plan_settings in neighbours(RACE, PlanSettings(195.0, 4.9), 1.0):
         Race.model_validate(plan_settings.applied(RACE).model_dump())
 
 

@@ -85,6 +85,11 @@ class TestBase:
         write(RACE, "plain.toml")
         assert load_race(write('base = "plain.toml"\n[judge]\nrule = "released"\n')).judge.distance == 1.2
 
+    def test_a_race_that_builds_on_another_with_its_own_vehicle_has_the_thrust_bound_of_that(self, write):
+        race_file = write(RACE, "plain.toml")
+        race = load_race(write('base = "plain.toml"\nvehicle = "flightmare"\n'))
+        assert race.controller.thrust[1] == race.vehicle.max_acceleration != load_race(race_file).controller.thrust[1]
+
     def test_files_that_build_on_each_other_in_a_circle_are_refused(self, write):
         write('base = "b.toml"', "a.toml")
         write('base = "a.toml"', "b.toml")

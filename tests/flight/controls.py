@@ -53,7 +53,7 @@ def aim_step(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop, before: int, ti
 def begin(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     """Set the lane up."""
     begin_control(job, s, mpc, 0)
-    begin_control_loop(s, loop, 0)
+    begin_control_loop(job, s, loop, 0)
 
 
 @cache

@@ -6,6 +6,7 @@ Transactions on Automatic Control 67(8), 2022.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -27,13 +28,14 @@ from hotlap.reference.scenario import Scenario
 from . import stages
 from .kept import kept
 
+NO_FLOOR = -math.inf
 INFEASIBLY_FAR = 1e-9  # of an input from its bound: nearer is at the bound
 
 
 @kept
 def begin_one(job: Job, s: Settings, mpc: Mpc, loop: ControlLoop) -> None:
     begin_control(job, s, mpc, 0)
-    begin_control_loop(s, loop, 0)
+    begin_control_loop(job, s, loop, 0)
 
 
 @kept
@@ -141,7 +143,7 @@ def is_bounded(mpc: Mpc, inputs: np.ndarray) -> bool:
 
 @kept
 def take_off(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane) -> None:
-    _start_flight(job, s, loop, vehicle_state, lane, 0)
+    _start_flight(job, s, NO_FLOOR, loop, vehicle_state, lane, 0)
 
 
 @kept
@@ -157,7 +159,7 @@ def closed_loop(scenario: Scenario, parameters: np.ndarray, seed: int, steps: in
     s = settings_of(scenario)
     mpc, vehicle_state = allocate_mpc(s.nodes, 1, np.float64), allocate_vehicle_state(1, np.float64)
     loop = allocate_control_loop(max(int(job.delay_periods.max()), s.predicted_periods) + 2, 1, np.float64)
-    lane = Lane(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros((7, 1)))
+    lane = Lane(*np.zeros((3, 1), dtype=np.int64), np.zeros((7, 1)), np.zeros((2, 1)))
     take_off(job, s, loop, vehicle_state, lane)
     begin_one(job, s, mpc, loop)
     segment, flown = FRESH, []

@@ -14,7 +14,8 @@ COUNT = 20_000
 CHANNELS = {
     "every step": [noise.THRUST, *(noise.RATES + k for k in range(3)), *(noise.WIND + k for k in range(3))]
     + [noise.MEASURED + k for k in range(9)],
-    "the first": [first + k for first in (noise.POSITION, noise.VELOCITY, noise.ATTITUDE) for k in range(3)] + [noise.BIAS],
+    "the first": [first + k for first in (noise.POSITION, noise.VELOCITY, noise.ATTITUDE) for k in range(3)]
+    + [noise.BIAS, noise.HEADING, noise.HEADING + 1],
 }
 
 

@@ -24,8 +24,24 @@ def test_a_plan_without_a_quadrotor_gets_a_share_of_the_model(race):
 
 
 def test_a_plan_without_a_quadrotor_stays_below_the_controllers_limit(race):
-    bare = Race(name="r", track=race.track, vehicle=load_quadrotor("flightmare"))
-    assert bare.planning_model.max_acceleration == pytest.approx(0.95 * bare.controller.thrust[1])
+    bare = Race(name="r", track=race.track, vehicle=load_quadrotor("flightmare"), controller=ControllerSettings(thrust=(0.1, 20.0)))
+    assert bare.planning_model.max_acceleration == pytest.approx(0.95 * 20.0)
+
+
+def test_a_thrust_bound_that_is_not_set_is_what_the_models_rotors_give(race):
+    strong, heavy = load_quadrotor("flightmare"), load_quadrotor("flightmare").model_copy(update={"mass": 1.0})
+    bare = Race(name="r", track=race.track, vehicle=strong, model=heavy)
+    assert bare.controller.thrust == (0.1, heavy.max_acceleration) != (0.1, strong.max_acceleration)
+    assert bare == Race.model_validate(bare.model_dump())
+    assert race.controller.thrust == (0.1, 20.0), "what a race says stays"
+
+
+def test_a_plan_is_free_until_a_share_or_a_quadrotor_is_given(race):
+    bare = Race(name="r", track=race.track, vehicle=race.vehicle)
+    assert bare.planning.free
+    assert not race.planning.free
+    assert not bare.with_share(0.5).planning.free
+    assert bare.with_share(bare.thrust_share).planning_model == bare.planning_model
 
 
 def test_v_max_is_the_speed_at_which_drag_and_tilted_thrust_balance(race):

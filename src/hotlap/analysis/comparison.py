@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap import tuners, worlds
+from hotlap.analysis.robustness import check_robustness
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
 from hotlap.first_guess.guess import DEFAULT, first_guess
 from hotlap.planning.preparation import prepare
+from hotlap.race.conditions import Condition
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule
@@ -42,6 +44,7 @@ class Cell:
         segments: how the reference is cut.
         first_guess: name of where its runs begin.
         reference: the CSV that is flown; None: the race's plan.
+        hold: conditions that the result of each run is flown under.
     """
 
     race: Race
@@ -52,6 +55,7 @@ class Cell:
     segments: SegmentationRule = SegmentationRule.PAPER
     first_guess: str = DEFAULT
     reference: Path | None = None
+    hold: tuple[Condition, ...] = ()
 
     @cached_property
     def key(self) -> str:
@@ -60,7 +64,8 @@ class Cell:
         scenario = scenario_for(prepare(self.race, self.reference, segments=self.segments), tuner)
         first, goal = first_guess(scenario, self.first_guess), self.settings.goal
         fingerprint = Configuration(scenario, self.world, goal.metric, tuner.name, self.settings, first).fingerprint
-        return f"{fingerprint}-{self.settings.budget}"
+        held = "".join(f"-{condition.text}" for condition in self.hold)
+        return f"{fingerprint}-{self.settings.budget}{held}"
 
 
 Group = tuple[Cell, ...]
@@ -86,6 +91,7 @@ class Run:
         validation: its flights.
         tuner_time: [s] of the processor that the tuner itself took.
         curve: (flights, completion of the best candidate so far) wherever that changed.
+        held: (condition in words, successes, flights) of the best candidate, as tuned and under each condition that was asked for.
     """
 
     race: str
@@ -102,6 +108,7 @@ class Run:
     validation: int
     tuner_time: float
     curve: tuple[tuple[int, float], ...]
+    held: tuple[tuple[str, int, int], ...] = ()
 
     @property
     def validated(self) -> float:
@@ -115,7 +122,7 @@ class Run:
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON."""
-        plain = {**vars(self), "curve": [list(point) for point in self.curve]}
+        plain = {**vars(self), "curve": [list(point) for point in self.curve], "held": [list(row) for row in self.held]}
         return {key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in plain.items()}
 
     @staticmethod
@@ -123,7 +130,8 @@ class Run:
         """The inverse of `dump`."""
         worst = {"cost": float("inf"), "lap_time": float("nan")}
         values = {key: worst[key] if value is None else value for key, value in plain.items()}
-        return Run(**{**values, "curve": tuple((int(when), float(completion)) for when, completion in plain["curve"])})
+        curve = tuple((int(when), float(completion)) for when, completion in plain["curve"])
+        return Run(**{**values, "curve": curve, "held": tuple((name, *counts) for name, *counts in plain.get("held", ()))})
 
 
 class Timed:
@@ -203,7 +211,7 @@ def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
     for i, batch in tune_together(objective, [run.tuning for run in runs]):
         runs[i].follow(batch)
         if batch.done:
-            yield runs[i].cell, _end(batch, runs[i])
+            yield runs[i].cell, _end(batch, runs[i], _fly_held(objective, runs[i], batch))
 
 
 def _begin(cell: Cell, scenario: Scenario, guess: Parameters, seed: int) -> _Progress:
@@ -213,7 +221,17 @@ def _begin(cell: Cell, scenario: Scenario, guess: Parameters, seed: int) -> _Pro
     return _Progress(cell, seed, Tuning(tuner, scenario, settings, guess), tuner)
 
 
-def _end(batch: Batch, progress: _Progress) -> Run:
+def _fly_held(objective: Objective, progress: _Progress, batch: Batch) -> tuple[tuple[str, int, int], ...]:
+    """The best candidate of a run under what was asked for; see `Run.held`."""
+    cell, goal = progress.cell, progress.cell.settings.goal
+    if not cell.hold:
+        return ()
+    asked = {"asked": cell.hold, "further": ()}
+    rows = check_robustness(objective.scenario, objective.world, goal, batch.best.parameters, progress.seed, **asked)
+    return tuple((row.change, row.validation.successes, row.validation.flights) for row in rows)
+
+
+def _end(batch: Batch, progress: _Progress, held: tuple[tuple[str, int, int], ...]) -> Run:
     """The summary of a run that has ended."""
     cell, validation = progress.cell, batch.validation
     return Run(
@@ -231,6 +249,7 @@ def _end(batch: Batch, progress: _Progress) -> Run:
         validation=validation.flights if validation else 0,
         tuner_time=progress.tuner.spent,
         curve=tuple(progress.curve),
+        held=held,
     )
 
 

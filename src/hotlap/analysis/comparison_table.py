@@ -41,6 +41,7 @@ class Row:
         completion_median: of the best candidate at the end.
         lap_time_median: [s] of the runs that have one; NaN without any.
         tuner_time: [s] of the tuner itself for each flight.
+        held: of each condition that was asked for, in words: share of successes, mean over runs, and 95 %, by resampling runs.
     """
 
     race: str
@@ -58,6 +59,7 @@ class Row:
     completion_median: float
     lap_time_median: float
     tuner_time: float
+    held: tuple[tuple[str, float, Interval], ...] = ()
 
     @property
     def flights_median(self) -> float:
@@ -67,7 +69,9 @@ class Row:
     def dump(self) -> dict[str, Any]:
         """As plain values."""
         plain = asdict(self)
-        return {**plain, "completions": {str(when): value for when, value in self.completions}, "flights_median": self.flights_median}
+        completions = {str(when): value for when, value in self.completions}
+        held = [{"change": change, "rate": rate, "low": low, "high": high} for change, rate, (low, high) in self.held]
+        return {**plain, "completions": completions, "flights_median": self.flights_median, "held": held}
 
 
 def rows_of(runs: Iterable[Run]) -> list[Row]:
@@ -110,7 +114,18 @@ def summarise(race: str, tuner: str, runs: Sequence[Run]) -> Row:
         completion_median=float(np.median([run.completion for run in runs])),
         lap_time_median=float(np.median(laps)) if laps else float("nan"),
         tuner_time=sum(run.tuner_time for run in runs) / max(sum(run.flights for run in runs), 1),
+        held=_held(runs),
     )
+
+
+def _held(runs: Sequence[Run]) -> tuple[tuple[str, float, Interval], ...]:
+    """What runs hold under, where all of them were asked for the same."""
+    rows = []
+    for cells in zip(*(run.held for run in runs), strict=False):
+        if len({name for name, _, _ in cells}) == 1:
+            rates = np.array([successes / flights for _, successes, flights in cells])
+            rows.append((cells[0][0], float(rates.mean()), bootstrap_interval(rates, means)))
+    return tuple(rows)
 
 
 def search_flights(runs: Sequence[Run]) -> Floats:
@@ -168,9 +183,19 @@ def cells_of(rows: Iterable[Row]) -> list[list[str]]:
     return [list(COLUMNS), *([show(row) for show in COLUMNS.values()] for row in rows)]
 
 
-def markdown(rows: Iterable[Row]) -> str:
-    """The same as Markdown."""
-    header, *body = cells_of(rows)
+def held_cells_of(rows: Sequence[Row]) -> list[list[str]]:
+    """A table of what is held under each condition, in %, with its header; empty where nobody asked."""
+    changes = list(dict.fromkeys(change for row in rows for change, _, _ in row.held))
+    if not changes:
+        return []
+    known = [{change: _share(rate, interval) for change, rate, interval in row.held} for row in rows]
+    body = [[row.race, row.tuner, *(shares.get(change, "-") for change in changes)] for row, shares in zip(rows, known, strict=True)]
+    return [["race", "tuner", *(f"{change} %" for change in changes)], *body]
+
+
+def markdown(cells: Sequence[Sequence[str]]) -> str:
+    """A table of cells as Markdown."""
+    header, *body = cells
     lines = [f"| {' | '.join(cells)} |" for cells in (header, ["---"] * len(header), *body)]
     return "\n".join(lines) + "\n"
 

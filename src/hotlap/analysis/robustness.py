@@ -1,9 +1,9 @@
-"""Robustness: tuned parameters flown by vehicles that differ a little from the one that they were tuned on."""
+"""Robustness: tuned parameters flown under conditions that differ a little from those that they were tuned under."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,58 +12,39 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
-from hotlap.race.race import NoiseSettings, Race
-from hotlap.race.vehicle_parameters import FORCES, MASSES, VEHICLE_PARAMETERS, scale, vehicle_parameters_of
+from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition, join_conditions
 from hotlap.reference.scenario import Scenario
 from hotlap.tuning.goal import Goal
-from hotlap.tuning.scoring import score
+from hotlap.tuning.under_conditions import fly_under
 from hotlap.worlds.world import World
 
-FLIGHTS = 50  # under each change
-NOISIER = 2.0
-AS_TUNED = "as tuned"
-TIMES = ("time", "wind_time")  # of the noise, which stay
-
-Floats = NDArray[np.float64]
+FLIGHTS = 50  # under each condition
+HELD = 0.95  # share of successes from which on parameters hold under a condition
 
 
 @dataclass(frozen=True)
 class Robustness:
-    """Success rate of parameters under one change of the vehicle or the noise.
+    """Success rate of parameters under one condition.
 
     Attributes:
-        change: in words.
+        condition: what is different.
         validation: flights that met the goal.
+        asked: whether somebody asked for this condition; else it is one that every tuned controller is asked to bear.
     """
 
-    change: str
+    condition: Condition
     validation: Validation
+    asked: bool = False
 
+    @property
+    def change(self) -> str:
+        """What is different, in words."""
+        return self.condition.name
 
-def _scaled(factor: float, names: tuple[str, ...]) -> Callable[[Floats], Floats]:
-    """Vehicle parameters with some of their columns multiplied."""
-    return lambda vehicle_parameters: scale(vehicle_parameters, names, factor)
-
-
-def _later(seconds: float) -> Callable[[Floats], Floats]:
-    """Vehicle parameters with more dead time."""
-
-    def change(vehicle_parameters: Floats) -> Floats:
-        """Vehicle parameters with so much more dead time."""
-        changed = vehicle_parameters.copy()
-        changed[VEHICLE_PARAMETERS.index("delay")] += seconds
-        return changed
-
-    return change
-
-
-CHANGES: Mapping[str, Callable[[Floats], Floats]] = {
-    AS_TUNED: lambda vehicle_parameters: vehicle_parameters,
-    "10 % lighter": _scaled(0.9, MASSES),
-    "10 % heavier": _scaled(1.1, MASSES),
-    "15 % less thrust": _scaled(1 / 0.85, FORCES),  # a share of the thrust at every command: all but the rotors grows
-    "20 ms more dead time": _later(0.02),
-}
+    @property
+    def holds(self) -> bool:
+        """Whether enough flights met the goal: a share of `HELD`."""
+        return self.validation.rate >= HELD
 
 
 def check_robustness(
@@ -74,8 +55,10 @@ def check_robustness(
     seed: int,
     flights: int = FLIGHTS,
     as_tuned: Scores | None = None,
+    asked: Sequence[Condition] = (),
+    further: Sequence[Condition] = DEFAULT_CONDITIONS,
 ) -> tuple[Robustness, ...]:
-    """Fly parameters under each of `CHANGES`, and with twice the noise; the seeds are the same under each.
+    """Fly parameters as they were tuned, and under conditions; the seeds are the same under each.
 
     Args:
         scenario: what they were tuned on.
@@ -83,24 +66,37 @@ def check_robustness(
         goal: what counts as a success.
         parameters: shape (S, K).
         seed: of the run.
-        flights: under each change.
+        flights: under each condition.
         as_tuned: of flights without a change, with the same seeds; None: they are flown here.
+        asked: conditions that somebody asked for.
+        further: conditions that are flown as well.
+
+    Returns:
+        The first is `UNCHANGED`, then the conditions that were asked for, then the others, each once.
     """
     seeds = flight_seeds(seed, Stream.DEMONSTRATION, 0, flights)
-    changes = [change for name, change in CHANGES.items() if as_tuned is None or name != AS_TUNED]
-    vehicles = np.stack([change(vehicle_parameters_of(scenario.race.vehicle)) for change in changes])
-    repeated = np.repeat(parameters[None], flights * len(vehicles), axis=0)
-    flown = world.fly(scenario, repeated, np.tile(seeds, len(vehicles)), vehicle_parameters=np.repeat(vehicles, flights, axis=0))
-    noisy = world.fly(replace(scenario, race=_noisier(scenario.race)), repeated[:flights], seeds)
-    scores = [*([] if as_tuned is None else [as_tuned]), *(score(some, scenario.race.judge) for some in (flown, noisy))]
-    met = np.concatenate([goal.succeeded(some) for some in scores])
-    counts = met.reshape(-1, flights).sum(axis=1).tolist()
-    return tuple(
-        Robustness(change, Validation(flights, count)) for change, count in zip([*CHANGES, "twice the noise"], counts, strict=True)
-    )
+    every = (UNCHANGED, *join_conditions(asked, further))
+    known = {} if as_tuned is None else {UNCHANGED: as_tuned}
+    found = known | fly_conditions(scenario, world, parameters, seeds, [one for one in every if one not in known])
+    met = {condition: int(goal.succeeded(scores).sum()) for condition, scores in found.items()}
+    return tuple(Robustness(condition, Validation(flights, met[condition]), condition in asked) for condition in every)
 
 
-def _noisier(race: Race) -> Race:
-    """The same race with every noise larger."""
-    noise = {name: value if name in TIMES else NOISIER * value for name, value in race.noise.model_dump().items()}
-    return race.model_copy(update={"noise": NoiseSettings(**noise)})
+def fly_conditions(
+    scenario: Scenario, world: World, parameters: Parameters, seeds: NDArray[np.int64], conditions: Sequence[Condition]
+) -> dict[Condition, Scores]:
+    """Fly parameters under conditions.
+
+    Args:
+        scenario: what is flown.
+        world: one that takes vehicle parameters for each flight.
+        parameters: shape (S, K).
+        seeds: of the flights under each condition.
+        conditions: each once.
+    """
+    if not conditions:
+        return {}
+    each, repeated = len(seeds), np.repeat(parameters[None], len(seeds) * len(conditions), axis=0)
+    one_by_one = [condition for condition in conditions for _ in range(each)]
+    scores = fly_under(scenario, world, repeated, np.tile(seeds, len(conditions)), one_by_one)
+    return {condition: scores.rows(slice(i * each, (i + 1) * each)) for i, condition in enumerate(conditions)}

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
 from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of
-from hotlap.analysis.comparison_table import Row, markdown, overall, rows_of
+from hotlap.analysis.comparison_table import Row, cells_of, held_cells_of, markdown, overall, rows_of
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.api.asked import Asked
+from hotlap.api.held import read_hold
 from hotlap.api.inputs import as_path, check_source, one_of
 from hotlap.api.outcome import Outcome
 from hotlap.api.rates import Flown
@@ -20,6 +21,7 @@ from hotlap.api.wording import percent
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
 from hotlap.first_guess.names import NAMES
+from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
 from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.system.text_files import replace
@@ -77,7 +79,7 @@ class ComparisonResult(Outcome):
 
     def rows(self) -> list[dict[str, Any]]:
         """A row for each run."""
-        return [{key: value for key, value in run.dump().items() if key != "curve"} for run in self.runs]
+        return [{key: value for key, value in run.dump().items() if key not in {"curve", "held"}} | _held(run) for run in self.runs]
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap compare --json`."""
@@ -98,6 +100,11 @@ class ComparisonResult(Outcome):
         from hotlap.report.comparison import curves  # noqa: PLC0415  matplotlib, only where there is something to draw
 
         return curves(self.runs)
+
+
+def _held(run: Run) -> dict[str, float]:
+    """Share of successes of a run under each condition that was asked for, by column."""
+    return {f"held: {change}": successes / flights for change, successes, flights in run.held}
 
 
 def carry_out(asked: Asked) -> ComparisonResult:
@@ -145,10 +152,12 @@ def _cells(asked: Asked) -> list[Cell]:
     check_source(reference)
     if reference is not None and len(races) > 1:
         raise InputError("", "reference", f"belongs to one race; {len(races)} are asked for")
+    hold = parse_hold(asked.hold)
     for race in races:
+        read_hold(asked.hold, race, world)
         make_ready(world, make_scenario(race, asked), asked.progress)
     return [
-        Cell(race, name, settings[name], seeds, asked.on, rule, asked.first_guess, reference)
+        Cell(race, name, settings[name], seeds, asked.on, rule, asked.first_guess, reference, hold)
         for race in races
         for name in dict.fromkeys(names)
     ]
@@ -181,7 +190,9 @@ def _budgets(text: str) -> Mapping[str, int]:
 
 def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
     """The tables and pictures."""
-    (folder / TABLE).write_text(f"{markdown(overall(runs))}\n{markdown(rows_of(runs))}", encoding="utf-8")
+    both = overall(runs), rows_of(runs)
+    tables = [*map(cells_of, both), *filter(None, map(held_cells_of, both))]
+    (folder / TABLE).write_text("\n".join(map(markdown, tables)), encoding="utf-8")
     from hotlap.report.comparison import draw_comparison  # noqa: PLC0415  matplotlib takes half a second to load
 
     try:

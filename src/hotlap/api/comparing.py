@@ -34,6 +34,7 @@ def compare(
     segments: str = SegmentationRule.PAPER,
     controller: str | None = None,
     on: str = "built-in",
+    hold: str = "",
     progress: Progress | None = None,
 ) -> ComparisonResult:
     """Run tuners on races with the same first guess, budget, seeds and noise: all that `hotlap compare` does.
@@ -57,6 +58,7 @@ def compare(
         segments: how the reference is cut.
         controller: which one flies; None: the race's.
         on: where to fly.
+        hold: conditions to fly each result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:

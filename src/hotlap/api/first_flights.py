@@ -145,18 +145,19 @@ def find_doom(scenario: Scenario, world: World, tried: Sequence[Tried]) -> Doom 
     return Doom(at_once, bool((flown.flights.end == End.CRASHED).all()), words)
 
 
-def say_doom(scenario: Scenario, world: World, weights: Parameters) -> str:
+def say_doom(scenario: Scenario, world: World, *guesses: Parameters) -> str:
     """One line for who is about to tune a race that no weights can save; "" where some do.
 
     Args:
         scenario: what is flown.
         world: where; it is ready to fly.
-        weights: shape (S, K), that the search begins with.
+        guesses: each of shape (S, K), that the search may begin with.
     """
-    tried = Tried("first guess", weights, _fly(scenario, world, weights, FEW))
-    doom = find_doom(scenario, world, [tried])
+    tried = [Tried("first guess", weights, _fly(scenario, world, weights, FEW)) for weights in guesses]
+    doom = find_doom(scenario, world, tried)
     if doom is None:
-        return f"{tried.dead} of {FEW} flights are over within {DEAD:g} s, whatever the weights" if tried.dead else ""
+        dead = min(one.dead for one in tried)
+        return f"{dead} of {FEW} flights are over within {DEAD:g} s, whatever the weights" if dead else ""
     hopeless = "no weights help as it stands: " if doom.crashed else ""
     return f"{hopeless}of {WEIGHTS} weights drawn at random none passes gate 1 ({doom.words})"
 
@@ -213,7 +214,7 @@ def _advise(scenario: Scenario, world: World, default: Tried, best: Tried) -> Ge
 def _slow_down(race: Race, world: World, best: Tried, slower: Callable[[Race], Scenario]) -> Iterator[Finding]:
     """Whether a plan that takes less of the thrust is followed."""
     share = round(SLOWER * race.planning_model.max_acceleration / race.control_model.max_acceleration, 2)
-    calm = race.model_copy(update={"planning": race.planning.model_copy(update={"thrust_share": share})})
+    calm = race.with_share(share)
     if race.planning.quadrotor is not None or calm.planning_model.thrust_to_weight < BARELY:
         return
     try:

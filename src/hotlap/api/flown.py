@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hotlap import worlds
+from hotlap.analysis.robustness import Robustness, check_robustness
 from hotlap.api.asked import Asked
+from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_range, check_source, check_target
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, read_guess, read_parameters
@@ -25,6 +27,7 @@ from hotlap.files.descriptions import load_parameters
 from hotlap.race.endings import in_words
 from hotlap.reference.scenario import Scenario
 from hotlap.system.text_files import replace
+from hotlap.tuning.goal import Goal
 from hotlap.tuning.objective import Objective
 
 if TYPE_CHECKING:
@@ -48,6 +51,7 @@ class FlightsResult(Outcome):
         flights: what each flight did; the first is recorded in full.
         scores: what each flight was worth.
         log: the file of the first flight; None where none was asked for.
+        robustness: how many passed every gate under the conditions that were asked for, as tuned first; empty where nobody asked.
     """
 
     scenario: Scenario
@@ -56,11 +60,17 @@ class FlightsResult(Outcome):
     flights: Flights
     scores: Scores
     log: Path | None = None
+    robustness: tuple[Robustness, ...] = ()
 
     @property
     def complete(self) -> Validation:
         """How many flights passed every gate, with the interval of that share."""
         return Validation(len(self.scores), int(self.scores.complete.sum()))
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the parameters hold under every condition that was asked for; None where nobody asked."""
+        return all_held(self.robustness)
 
     def facts(self) -> dict[str, str]:
         """How many passed every gate, lap times, errors, and where the others ended."""
@@ -107,7 +117,8 @@ class FlightsResult(Outcome):
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap fly --json`."""
-        return {"race": self.scenario.race.name, "world": self.world, "notes": list(self.scenario.notes), "flights": self.rows()}
+        about = {"race": self.scenario.race.name, "world": self.world, "notes": list(self.scenario.notes)}
+        return {**about, "robustness": [dump_robustness(one) for one in self.robustness], "holds": self.holds, "flights": self.rows()}
 
     def plot(self) -> Figure:
         """The first flight over the reference, from above and from the side, and where the others failed."""
@@ -130,6 +141,7 @@ def carry_out(asked: Asked) -> FlightsResult:
     if isinstance(asked.parameters, str | Path) and Path(asked.parameters).is_file():
         load_parameters(asked.parameters)
     check_guess(str(asked.first_guess))
+    conditions = read_hold(asked.hold, race, world)
     scenario = make_scenario(race, asked)
     parameters = _parameters(asked, scenario)
     make_ready(world, scenario, asked.progress)
@@ -137,9 +149,11 @@ def carry_out(asked: Asked) -> FlightsResult:
     with asked.progress.working(f"flying {race.name} {asked.flights} times"):
         repeated = np.repeat(parameters[None], asked.flights, axis=0)
         flights, scores = Objective(scenario, world).fly_recorded(repeated, seeds, log=(0,))
+        known = (asked.seed, asked.flights, scores, conditions, ())
+        robustness = check_robustness(scenario, world, Goal(), parameters, *known) if conditions else ()
     if log is not None:
         write_log(log, flights.logs[0])
-    return FlightsResult(scenario, world.name, parameters, flights, scores, log)
+    return FlightsResult(scenario, world.name, parameters, flights, scores, log, robustness)
 
 
 def _parameters(asked: Asked, scenario: Scenario) -> Parameters:

@@ -28,6 +28,7 @@ def fly(
     controller: str | None = None,
     on: str = "built-in",
     log: str | Path | None = None,
+    hold: str = "",
     progress: Progress | None = None,
 ) -> FlightsResult:
     """Fly parameters many times, each time with fresh noise: all that `hotlap fly` does.
@@ -43,6 +44,7 @@ def fly(
         controller: which one flies; None: the race's.
         on: where to fly.
         log: write the first flight as CSV, step by step.
+        hold: further conditions to fly them under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:

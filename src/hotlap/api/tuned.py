@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
 from hotlap.api.asked import Asked, command_line
+from hotlap.api.beginning import begin, begun_with, describe_beginning
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
+from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
-from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario, read_guess
+from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario
 from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
@@ -27,6 +28,7 @@ from hotlap.feasibility.demands import advice
 from hotlap.feasibility.race import loose_judge
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
 from hotlap.files.parameters_file import Remark, SavedParameters
+from hotlap.first_guess.names import LEARNED
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
 from hotlap.study.result import Result
@@ -56,11 +58,11 @@ class TuningResult(Outcome):
         scenario: race, reference and segments that were flown.
         result: flights, best parameters and their validation.
         world: where the flights took place.
-        first_guess: what the search began with, as it was asked for.
+        first_guess: what the search began with, as it was asked for; else the better of two guesses.
         folder: of the study: every flight, the parameters, the page.
         parameters: the file of the parameters.
         report: the page; None where it could not be written.
-        robustness: how the parameters fare with vehicles that differ a little; empty where that was not flown.
+        robustness: how the parameters fare under other conditions; empty where that was not flown.
         again: the command line that flies the parameters; "" where the race has no name.
         wall_time: [s] that one waited for it, planning, compiling and the report included.
         advice: where the goal was not confirmed with a reference that was read: what of it no weights can make up for.
@@ -87,6 +89,11 @@ class TuningResult(Outcome):
     def validation(self) -> Validation | None:
         """How often the best parameters met the goal with fresh noise; None where that was not flown."""
         return self.result.validation
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the best parameters hold under every condition that was asked for; None where nobody asked."""
+        return all_held(self.robustness)
 
     @property
     def values(self) -> Parameters:
@@ -136,8 +143,8 @@ class TuningResult(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap tune --json`."""
         paths = {"study": str(self.folder), "parameters": str(self.parameters), "report": None if self.report is None else str(self.report)}
-        robustness = [_dump_robustness(one) for one in self.robustness]
-        about = {"world": self.world, "first_guess": self.first_guess, "robustness": robustness}
+        robustness = [dump_robustness(one) for one in self.robustness]
+        about = {"world": self.world, "first_guess": self.first_guess, "robustness": robustness, "holds": self.holds}
         said = {"notes": list(self.scenario.notes), "advice": list(self.advice)}
         return {**self.result.dump(), "wall_time": self.wall_time, **about, **said, **paths}
 
@@ -156,14 +163,15 @@ def carry_out(asked: Asked) -> TuningResult:
     folder = as_path(asked.out) or new_folder(configuration.scenario.race.name)
     with (
         asked.remarked("go on", out=folder),
-        Study.open(folder, configuration, asked.command(out=None)) as study,
+        Study.open(folder, configuration, asked.command(out=None), asked.hold) as study,
     ):
         before = study.wall_time
         result = _tune(study, world, asked)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
         robustness, report = _report(study, world, asked)
-    waited, again, guess = before + time.perf_counter() - begun, _again(asked, folder), str(asked.first_guess)
+        guess = begun_with(study.configuration, study.flights())
+    waited, again = before + time.perf_counter() - begun, _again(asked, folder)
     scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
     hints = advice(scenario.race, scenario.reference) if told else ()
     return TuningResult(scenario, result, world.name, guess, folder, file, report, robustness, again, waited, hints)
@@ -176,16 +184,18 @@ def _configure(asked: Asked) -> tuple[World, Configuration]:
     if asked.randomise and not world.takes_vehicle_parameters:
         raise InputError("", "randomise", f"{world.name} flies the vehicle that it has")
     check_source(as_path(asked.reference))
-    check_guess(str(asked.first_guess))
+    check_guess(str(asked.first_guess or LEARNED))
     _check_folder(as_path(asked.out))
+    race = load(asked.race, asked.controller)
+    read_hold(asked.hold, race, world)
     with asked.remarked("begin again"):
-        scenario = scenario_for(make_scenario(load(asked.race, asked.controller), asked), tuner)
+        scenario = scenario_for(make_scenario(race, asked), tuner)
     loose = loose_judge(scenario.race) if asked.reference is None else ""
     if loose:
         asked.progress.note(f"note: {loose}")
-    first = read_guess(str(asked.first_guess), scenario, asked.progress)
-    name = str(asked.first_guess)
-    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first, first_guess_name=name)
+    name, first, rival = begin(asked, scenario)
+    kept = {"first_guess_name": name, "rival": rival}
+    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first, **kept)
 
 
 def _goal(text: str) -> Goal:
@@ -211,12 +221,17 @@ def _tune(study: Study, world: World, asked: Asked) -> Result:
     if before is not None:
         asked.progress.note(f"{study.folder}: going on after {count(before.flights, 'flight')}")
     elif isinstance(world, BuiltIn):  # where flights cost nothing
-        doom = say_doom(configuration.scenario, world, configuration.first_guess)
+        guesses = (guess for guess in (configuration.first_guess, configuration.rival) if guess is not None)
+        doom = say_doom(configuration.scenario, world, *guesses)
         if doom:
             asked.progress.note(f"note: {doom}")
     objective = Objective(configuration.scenario, world, configuration.metric, configuration.settings.randomise)
     with asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
-        return study.run(objective, watch)
+        result = study.run(objective, watch)
+    told = describe_beginning(configuration, study.flights())
+    if told:
+        asked.progress.note(f"note: {told}")
+    return result
 
 
 def _saved(study: Study, result: Result) -> SavedParameters:
@@ -244,9 +259,9 @@ def _saved(study: Study, result: Result) -> SavedParameters:
 
 
 def _report(study: Study, world: World, asked: Asked) -> tuple[tuple[Robustness, ...], Path | None]:
-    """How the best parameters fare with vehicles that differ a little, and the page; what is tuned is saved already.
+    """How the best parameters fare under other conditions, and the page; what is tuned is saved already.
 
-    Without a validation no other vehicles are flown either; nor where the world flies what it has.
+    Without a validation only conditions that were asked for are flown; none where the world flies the vehicle that it has.
     """
     from hotlap.report.page.replay import replay_finished  # noqa: PLC0415  it loads the flight core
     from hotlap.report.page.writing import write_replay  # noqa: PLC0415
@@ -255,7 +270,7 @@ def _report(study: Study, world: World, asked: Asked) -> tuple[tuple[Robustness,
     snapshot, validated = read_snapshot(study), study.configuration.settings.validation > 0
     try:
         with asked.progress.working("writing the report"):
-            replay = replay_finished(study.configuration, world, snapshot.best, robustness=validated)
+            replay = replay_finished(study.configuration, world, snapshot.best, robustness=validated, hold=snapshot.hold)
             robustness = replay.robustness
             return robustness, write_replay(snapshot, replay)
     except (HotlapError, OSError) as error:
@@ -267,10 +282,3 @@ def _again(asked: Asked, folder: Path) -> str:
     """The command that flies tuned parameters as they were tuned."""
     same = {name: getattr(asked, name) for name in ("race", "reference", "segments", "controller", "on")}
     return command_line(fly, {**same, "parameters": folder})
-
-
-def _dump_robustness(robustness: Robustness) -> Mapping[str, Any]:
-    """As plain JSON."""
-    (low, high), validation = robustness.validation.interval, robustness.validation
-    counts = {"flights": validation.flights, "successes": validation.successes, "rate": validation.rate}
-    return {"change": robustness.change, **counts, "low": low, "high": high}

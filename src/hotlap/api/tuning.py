@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from hotlap.api.asked import Asked
 from hotlap.core.success_rate import RELIABILITY
-from hotlap.first_guess.names import LEARNED
 from hotlap.reference.segmentation_rule import SegmentationRule
 
 if TYPE_CHECKING:
@@ -26,7 +25,7 @@ def tune(
     out: str | Path | None = None,
     reference: str | Path | None = None,
     segments: str = SegmentationRule.PAPER,
-    first_guess: str = LEARNED,
+    first_guess: str | None = None,
     controller: str | None = None,
     on: str = "built-in",
     randomise: float = 0.0,
@@ -35,6 +34,7 @@ def tune(
     validation: int = 200,
     reliability: float = RELIABILITY,
     batch: int = 8,
+    hold: str = "",
     progress: Progress | None = None,
 ) -> TuningResult:
     """Plan a race, tune its controller, confirm and validate the result, and write a page about it: all that `hotlap tune` does.
@@ -48,7 +48,7 @@ def tune(
         out: folder of the study, begun or gone on with; None: runs/RACE-DATE, new.
         reference: read this CSV instead of planning.
         segments: how the reference is cut.
-        first_guess: what to begin with.
+        first_guess: what to begin with; None: learned, on plans with full dynamics that or default, whichever flies better.
         controller: which one flies; None: the race's.
         on: where to fly.
         randomise: fly vehicles whose parameters differ from the race's by up to this share.
@@ -57,6 +57,7 @@ def tune(
         validation: flights of the result with fresh noise, 0 for none.
         reliability: least share of these to succeed, 0 for any.
         batch: most candidates to fly at once, for tuners that can.
+        hold: further conditions to fly the result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Iterator
 
-from hotlap.analysis.comparison_table import cells_of
+from hotlap.analysis.comparison_table import cells_of, held_cells_of
 from hotlap.api.compared import ComparisonResult
 from hotlap.api.comparing import compare
 from hotlap.cli.options import arguments_of
@@ -26,6 +26,10 @@ def _lines(compared: ComparisonResult) -> Iterator[Line]:
     """Both tables, and what is where."""
     for rows in (compared.by_race, compared.overall):
         yield from table(cells_of(rows), right=RIGHT)
+        yield ""
+    for held in filter(None, map(held_cells_of, (compared.by_race, compared.overall))):
+        yield "will it hold?"
+        yield from table(held, right=range(2, len(held[0])))
         yield ""
     yield str(compared.table)
     if compared.page is not None:

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from hotlap import tuners, worlds
-from hotlap.analysis.fastest import RELIABLE, PlanSettings, fastest, judge_plan, try_plan
+from hotlap.analysis.fastest import RELIABLE, fastest
+from hotlap.analysis.plan_trials import PlanSettings, judge_plan, try_plan
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds
@@ -35,7 +36,7 @@ from hotlap.tuning.loop import TuningSettings
 
 RACE_FILE = "race.toml"
 ROUNDS = 40  # of plans tried around the best so far
-FIXED = ("reference", "first_guess", "segments", "on", "randomise", "samples", "reliability")  # options that have no meaning here
+FIXED = ("reference", "first_guess", "segments", "on", "randomise", "samples", "reliability", "hold")  # options that have no meaning here
 
 
 def run(options: Namespace) -> int:

@@ -53,6 +53,7 @@ SHOWN: Mapping[str, Shown] = {
     "tuners": Shown("A,B"),
     "budget": Shown("N"),
     "randomise": Shown("R"),
+    "hold": Shown("LIST"),
     "reliability": Shown("R"),
 }
 METAVARS: Mapping[Callable[[str], Any], str] = {path: "FILE", whole: "N", fraction: "R", str: "NAME"}

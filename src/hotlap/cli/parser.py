@@ -19,6 +19,13 @@ HELP = {"-h", "--help"}
 RENAMED = {"--worlds": "--samples"}  # options of before
 
 
+class Help(argparse.RawDescriptionHelpFormatter):
+    """Help in which a per cent sign is one: defaults are in the text already."""
+
+    def _get_help_string(self, action: argparse.Action) -> str:
+        return (action.help or "").replace("%", "%%")
+
+
 class Parser(argparse.ArgumentParser):
     """A parser of one command; raises instead of printing and exiting.
 
@@ -38,7 +45,7 @@ class Parser(argparse.ArgumentParser):
             command,
             description=summary,
             epilog=shown,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            formatter_class=Help,
             add_help=False,
             allow_abbrev=False,
             exit_on_error=False,

@@ -12,6 +12,7 @@ from hotlap.api.checking import check
 from hotlap.api.tuned import TuningResult
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds, share
+from hotlap.cli.held import show_robustness
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
@@ -68,7 +69,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     )
     if tuned.robustness:
         yield "will it hold?"
-        yield from facts({one.change: share(one.validation) for one in tuned.robustness})
+        yield from show_robustness(tuned.robustness)
     yield f"fly it again: {tuned.again}"
     if not tuned.confirmed and not no_goal:
         yield from tuned.advice

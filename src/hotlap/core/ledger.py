@@ -48,8 +48,11 @@ class Ledger:
 
     def of(self, stream: Stream) -> Ledger:
         """The flights that were flown for one purpose."""
-        rows = self.streams == stream
-        return Ledger(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+        return self.rows(self.streams == stream)
+
+    def rows(self, chosen: slice | NDArray[np.bool_]) -> Ledger:
+        """Some of the flights."""
+        return Ledger(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
     def accept(self, accepted: NDArray[np.bool_]) -> Ledger:
         """The same flights, with the tuner's verdicts, shape (F,)."""

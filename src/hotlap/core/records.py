@@ -49,12 +49,15 @@ class Log:
         states: shape (steps, 13): position, attitude, velocity (world), rates (body).
         rotor_thrusts: shape (steps, 4) [N].
         commands: shape (steps, 4): thrust per mass [m/s^2] and rates [rad/s] as the controller gave them.
+        estimates: shape (steps, 4): thrust effectiveness [-] and disturbance [m/s^2] (world) as the controller's observer estimated them;
+            1 and 0 where it estimates none, None where the world has no log of them.
     """
 
     times: Floats
     states: Floats
     rotor_thrusts: Floats
     commands: Floats
+    estimates: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -144,7 +147,7 @@ class Scores:
         """B, the number of flights."""
         return len(self.cost)
 
-    def rows(self, rows: slice) -> Scores:
+    def rows(self, rows: slice | NDArray[np.int64]) -> Scores:
         """The scores of some of the flights."""
         return Scores(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 

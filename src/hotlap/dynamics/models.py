@@ -181,7 +181,7 @@ def drag_node_map() -> ca.Function:
     """
     x, u, h, constants = ca.SX.sym("x", 10), ca.SX.sym("u", 4), ca.SX.sym("h"), ca.SX.sym("c", sum(MODEL.values()))
     vehicle = _split(constants, MODEL)
-    speeds = 2 * ca.sqrt(vehicle["mass"] * ca.fmax(u[0], LEAST_THRUST))  # 4 sqrt(m T / 4)
+    speeds = _rotor_speeds(u[0], vehicle)
 
     def push(state: Expression) -> Expression:
         """The state after half of the drag."""
@@ -191,6 +191,22 @@ def drag_node_map() -> ca.Function:
         return ca.vertcat(state[:7], state[7:] - h / 2 * (rotation @ _drag(middle, speeds, vehicle)))
 
     return ca.Function("drag_node_map", [x, u, h, constants], [push(_node(push(x), u, h, vehicle["gravity"]))], {"cse": True})
+
+
+def air_drag() -> ca.Function:
+    """(state p q v, thrust per mass and rates, `MODEL`) -> deceleration by all drags, shape (3,) [m/s^2] (world).
+
+    All rotors are taken to give the same thrust.
+    """
+    x, u, constants = ca.SX.sym("x", 10), ca.SX.sym("u", 4), ca.SX.sym("c", sum(MODEL.values()))
+    vehicle, rotation = _split(constants, MODEL), rotation_matrix(x[3:7])
+    drag = rotation @ _drag(rotation.T @ x[7:], _rotor_speeds(u[0], vehicle), vehicle)
+    return ca.Function("air_drag", [x, u, constants], [drag], {"cse": True})
+
+
+def _rotor_speeds(thrust: Expression, vehicle: dict) -> Expression:
+    """Sum of the square roots of the rotor thrusts [N^0.5] that share a thrust per mass evenly, 4 sqrt(m T / 4)."""
+    return 2 * ca.sqrt(vehicle["mass"] * ca.fmax(thrust, LEAST_THRUST))
 
 
 def node_jacobian(x: Expression, u: Expression, h: Expression) -> Expression:

@@ -205,7 +205,7 @@ def _limits(race: Race) -> list[Finding]:
         if free and rate > limit:
             remark = f"the plan uses up to {rate:g}; raise controller.rates"
             findings.append(Finding(f"{axis} rate limit binds", f"{limit:g} rad/s", remark, Level.WARNING))
-    asked = race.planning.thrust_share * race.control_model.max_acceleration
+    asked = race.thrust_share * race.control_model.max_acceleration
     if race.planning.quadrotor is None and wanted < 0.999 * asked:
         remark = f"planning.thrust_share asks for {asked:.1f}, controller.thrust allows less"
         findings.append(Finding("thrust limit caps the plan", f"{wanted:.1f} m/s^2", remark))

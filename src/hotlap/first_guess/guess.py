@@ -13,6 +13,7 @@ from hotlap.first_guess.names import DEFAULT, LEARNED, NAMES, PAPER
 from hotlap.first_guess.regression import Regression
 from hotlap.first_guess.training_set import TrainingSet, shipped
 from hotlap.first_guess.vote import vote
+from hotlap.race.race import PlanDynamics
 from hotlap.reference.scenario import Scenario
 
 Method = Callable[[Scenario, TrainingSet], Parameters]
@@ -49,6 +50,20 @@ def first_guess(scenario: Scenario, name: str = LEARNED, training: TrainingSet |
         return default
     training = training or shipped()
     return guess_by(METHODS[name], scenario, training) if teaches(training, scenario) else default
+
+
+def rival_of(scenario: Scenario, guess: Parameters) -> Parameters | None:
+    """The default, shape (S, K), where a learnt guess has to prove itself against it; None where it need not, or where they are equal.
+
+    All training races are planned with ideal dynamics. On plans with full dynamics the default is often the better one, and sometimes not.
+
+    Args:
+        scenario: what is to be flown.
+        guess: shape (S, K), learnt.
+    """
+    default = scenario.space.first_guess(len(scenario.segments))
+    alike = scenario.race.planning.dynamics is PlanDynamics.IDEAL or np.array_equal(guess, default)
+    return None if alike else default
 
 
 def teaches(training: TrainingSet, scenario: Scenario) -> bool:

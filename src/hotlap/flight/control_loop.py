@@ -8,10 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from hotlap.dynamics.parameter_layout import MODEL
 from hotlap.flight.compile import compiled_dynamics
-from hotlap.flight.job import Settings
+from hotlap.flight.job import Job, Settings
 from hotlap.flight.lanes import number
 from hotlap.flight.numbers import INLINE, aligned_zeros
+from hotlap.flight.observer import EFFECTIVENESS, ESTIMATE_SIZE, OBSERVER_SIZE, begin_observer, push, thrust_command
 
 
 class ControlLoop(NamedTuple):
@@ -23,6 +25,10 @@ class ControlLoop(NamedTuple):
         shift: (1,) share of a node by which a plan moves on.
         span: (1,) [s] of a prediction.
         predicted: (10,) state after it.
+        acted: (4,) command that acts meanwhile, as the model understands it.
+        push: (3,) [m/s^2] (world) acceleration that acts meanwhile besides the model.
+        estimate, observer, known_drag: (E,), (G,), (M,) of the observer; see `observer`.
+        sent, drag: (1,), (3,) thrust that was commanded and deceleration, of its present step.
     """
 
     seen: Any
@@ -30,19 +36,30 @@ class ControlLoop(NamedTuple):
     shift: Any
     span: Any
     predicted: Any
+    acted: Any
+    push: Any
+    estimate: Any
+    observer: Any
+    known_drag: Any
+    sent: Any
+    drag: Any
 
 
 def allocate_control_loop(commands: int, lanes: int, kind: type[np.floating[Any]]) -> ControlLoop:
-    """Raw memory, of one kind of float, for so many commands."""
-    sizes = ((10,), (commands, 4), (1,), (1,), (10,))
-    return ControlLoop(*(aligned_zeros((*size, lanes), kind) for size in sizes))
+    """Raw memory, of one kind of float, for so many commands; a lane without a flight computes with ones, so that it divides by no zero."""
+    sizes = ((10,), (commands, 4), (1,), (1,), (10,), (4,), (3,), (ESTIMATE_SIZE,), (OBSERVER_SIZE,), (sum(MODEL.values()),), (1,), (3,))
+    loop = ControlLoop(*(aligned_zeros((*size, lanes), kind) for size in sizes))
+    for array in (loop.seen[3], loop.estimate[EFFECTIVENESS], loop.observer, loop.known_drag):
+        array.fill(1)
+    return loop
 
 
 @njit(**INLINE)
-def begin_control_loop(s: Settings, loop: ControlLoop, k: int) -> None:
+def begin_control_loop(job: Job, s: Settings, loop: ControlLoop, k: int) -> None:
     """Prepare a lane for a new flight: the commands before it were those of hovering."""
     loop.history[:, :, k] = 0
     loop.history[:, 0, k] = s.gravity
+    begin_observer(loop, job.observer, job.known_drag, k)
 
 
 def predictor(propagate: Callable[..., None]) -> Any:
@@ -60,7 +77,13 @@ def predictor(propagate: Callable[..., None]) -> Any:
             duration = s.predicted_rest if n == s.predicted_periods else s.period
             if duration > 0:
                 p.span[0] = number(p.seen[0], duration)
-                propagate(p.seen, p.history[n], p.span, constants, p.predicted)
+                for a in range(4):
+                    p.acted[a] = p.history[n, a]
+                if s.offset_free:
+                    p.acted[0] *= p.estimate[EFFECTIVENESS]
+                propagate(p.seen, p.acted, p.span, constants, p.predicted)
+                if s.corrected:
+                    push(p.predicted, p.push, p.span[0], 7)
                 for i in range(10):
                     p.seen[i] = p.predicted[i]
 
@@ -71,10 +94,12 @@ predict = predictor(compiled_dynamics("node_map"))
 
 
 @njit(**INLINE)
-def issue(p: ControlLoop, command: Any) -> None:
+def issue(s: Settings, p: ControlLoop, command: Any) -> None:
     """Put the command of this control step at the head of the history."""
     for n in range(len(p.history) - 1, 0, -1):
         for a in range(4):
             p.history[n, a] = p.history[n - 1, a]
     for a in range(4):
         p.history[0, a] = command[a]
+    if s.offset_free:
+        p.history[0, 0] = thrust_command(s, p, command[0])

@@ -103,7 +103,7 @@ def _steps(kind: ControllerKind) -> tuple[Any, Any]:
     def begin_one(job: Job, s: Settings, memory: Any, loop: ControlLoop) -> None:
         """Forget the flight before."""
         begin(job, s, memory, 0)
-        begin_control_loop(s, loop, 0)
+        begin_control_loop(job, s, loop, 0)
 
     def step_one(job: Job, s: Settings, memory: Any, loop: ControlLoop, piece: int, time: float, elapsed: float) -> int:
         """One control step; returns the piece of the reference whose parameters it has used."""

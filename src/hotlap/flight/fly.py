@@ -18,6 +18,7 @@ from hotlap.flight.job import LOG_COLUMNS, Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.kernel import fly_queue
 from hotlap.flight.numbers import Numbers
+from hotlap.flight.observer import drag_free, known_drag, largest_thrust, observer_numbers
 from hotlap.flight.plant import autopilot_numbers, model_numbers, vehicle_numbers
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import switch_number
@@ -72,7 +73,7 @@ def fly_batch(
     """
     job, gates = prepare(scenario, parameters, seeds, numbers, vehicle_parameters, log)
     verdicts = new_verdicts(len(seeds), len(gates.times))
-    settings, kind = settings_of(scenario), scenario.race.controller.kind
+    settings, kind = settings_of(scenario)._replace(sagging=bool(job.sags.any())), scenario.race.controller.kind
     crew = min(threads or available(), -(-len(seeds) // numbers.lanes))
     if crew <= 1:
         effort = fly_queue(numbers, kind, job, settings, gates, verdicts)
@@ -115,8 +116,18 @@ def settings_of(scenario: Scenario) -> Settings:
         measured_attitude=noise.measured_attitude,
         wind=noise.wind,
         wind_memory=_memory(controller.period, noise.wind_time),
+        steady_wind=noise.steady_wind,
+        sagging=False,
+        duration=scenario.reference.duration,
+        offset_free=scenario.offset_free,
+        corrected=scenario.offset_free or controller.reference_drag,
+        acted_periods=0,
+        acted_rest=0.0,
+        least_thrust=controller.thrust[0],
+        largest_thrust=largest_thrust(race),
+        thrust_limit=controller.thrust[1],
     )
-    return predicting(settings, lead)
+    return acting(predicting(settings, lead), control_model.delay)
 
 
 def predicting(settings: Settings, span: float) -> Settings:
@@ -124,6 +135,13 @@ def predicting(settings: Settings, span: float) -> Settings:
     periods = math.floor(span / settings.period + 1e-9)
     rest = span - periods * settings.period
     return settings._replace(predicted_periods=periods, predicted_rest=rest if rest > 1e-9 else 0.0)
+
+
+def acting(settings: Settings, dead_time: float) -> Settings:
+    """The same settings, but the observer takes the thrust that was commanded a dead time [s] ago."""
+    place = dead_time / settings.period
+    periods = math.floor(place + 1e-9)
+    return settings._replace(acted_periods=periods, acted_rest=place - periods if place - periods > 1e-9 else 0.0)
 
 
 def prepare(
@@ -146,8 +164,11 @@ def prepare(
     log_rows[list(log)] = np.arange(len(log))
     last = reference.gate_times[-1] + (race.judge.window[1] if len(log) else 0.0) + AFTERWARDS
     thrust, tilt, yaw = controller.input_weights
+    corrected = scenario.offset_free or controller.reference_drag
+    table = drag_free(reference, race.control_model.gravity) if corrected else reference.table
+    model = model_numbers(race.control_model)
     job = Job(
-        table=np.ascontiguousarray(reference.table, dtype=numbers.dtype),
+        table=np.ascontiguousarray(table, dtype=numbers.dtype),
         row_pieces=scenario.segments.piece_at(reference.times),
         piece_segments=np.array([piece.segment for piece in scenario.segments.pieces]),
         piece_points=np.ascontiguousarray(reference.position_at(scenario.segments.starts)),
@@ -159,8 +180,11 @@ def prepare(
         vehicles=vehicles,
         delay_periods=delay_steps // in_period,
         delay_steps=delay_steps % in_period,
+        sags=np.hstack([part_of(given, "sag"), part_of(given, "charge_sag")]),
         autopilot=autopilot_numbers(race.control_model),
-        control_model=model_numbers(race.control_model),
+        control_model=model,
+        known_drag=known_drag(race, model),
+        observer=observer_numbers(race),
         log_rows=log_rows,
         logs=np.zeros((len(log), math.ceil(last / controller.period) + 2, LOG_COLUMNS)),
         queue=np.zeros(1, dtype=np.int64),
@@ -218,4 +242,5 @@ def _record(scenario: Scenario, job: Job, gates: Gates, v: Verdicts, log: Sequen
 def _log(rows: Any, period: float) -> Log:
     """One flight's log."""
     times = np.arange(len(rows), dtype=np.float64) * period
-    return Log(times=times, states=rows[:, :13].copy(), rotor_thrusts=rows[:, 13:17].copy(), commands=rows[:, 17:].copy())
+    states, rotor_thrusts, commands, estimates = np.split(rows, (13, 17, 21), axis=1)
+    return Log(times, states.copy(), rotor_thrusts.copy(), commands.copy(), estimates.copy())

@@ -141,4 +141,4 @@ def generic_control(name: str) -> Any:
         with_node(lambda node, linearisation: general_forward_stage(linearisation.pattern_of(node))),
     )
     predict = predictor(compiled_dynamics(name))
-    return controls(predict, solve)[1]
+    return controls(predict, solve, model_has_drag=True)[1]

@@ -22,6 +22,7 @@ from hotlap.flight.control_loop import ControlLoop, issue, predict
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.mpc_reference import hover_inputs, read_reference
 from hotlap.flight.numbers import INLINE, aligned_zeros
+from hotlap.flight.observer import body_z, correct_target, observe, plan_bounds, push_of
 from hotlap.flight.program import Number, Program, Tape, dot
 from hotlap.flight.segment_switch import piece_flown
 from hotlap.race.controllers import TUNABLE, ControllerKind
@@ -37,7 +38,8 @@ class Geometric(NamedTuple):
 
     Attributes:
         reference: (1, 14) p q v, inputs.
-        acceleration: (3,) [m/s^2] (world) of the reference.
+        acceleration: (3,) [m/s^2] (world) of the reference; less the push, where that is known.
+        push: (3,) [m/s^2] (world) acceleration that acts besides gravity and thrust; see `observer`.
         gains: (6,) k_pos_xy, k_pos_z, k_vel_xy, k_vel_z, k_attitude, k_yaw.
         low, high: (4,) bounds of the inputs.
         gravity: (1,) [m/s^2].
@@ -46,6 +48,7 @@ class Geometric(NamedTuple):
 
     reference: Any
     acceleration: Any
+    push: Any
     gains: Any
     low: Any
     high: Any
@@ -71,15 +74,9 @@ def steering_stage() -> Program:
     error = _product([x[3], -x[4], -x[5], -x[6]], target)
     sign = (error[0] < 0.0).where(-2.0, 2.0)  # q and -q are one attitude
     turns = [sign * error[1 + i] * gains[4 if i < 2 else 5] for i in range(3)]
-    command = [dot(wanted, _body_z(x[3:7])), *(reference[11 + i] + turns[i] for i in range(3))]
+    command = [dot(wanted, body_z(x[3:7])), *(reference[11 + i] + turns[i] for i in range(3))]
     tape.store(7, [command[a].maximum(low[a]).minimum(high[a]) for a in range(4)])
     return tape.program
-
-
-def _body_z(q: Sequence[Number]) -> list[Any]:
-    """R(q) e3."""
-    w, x, y, z = q
-    return [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]
 
 
 def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
@@ -94,7 +91,7 @@ def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
 
 def _tilt(q: Sequence[Number], axis: Sequence[Number]) -> list[Any]:
     """An attitude turned by the shortest way until its body z is an axis."""
-    z = _body_z(q)
+    z = body_z(q)
     across = [z[1] * axis[2] - z[2] * axis[1], z[2] * axis[0] - z[0] * axis[2], z[0] * axis[1] - z[1] * axis[0]]
     turn = [(1.0 + dot(z, axis)).maximum(OPPOSITE), *across]
     scale = 1.0 / dot(turn, turn).square_root()
@@ -106,7 +103,7 @@ steer = compiled(steering_stage)
 
 def allocate_geometric(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Geometric:  # noqa: ARG001  it has no horizon
     """Raw memory, of one kind of float."""
-    sizes = ((1, 14), (3,), (len(GAINS),), (4,), (4,), (1,), (4,))
+    sizes = ((1, 14), (3,), (3,), (len(GAINS),), (4,), (4,), (1,), (4,))
     memory = Geometric(*(aligned_zeros((*size, lanes), kind) for size in sizes))
     memory.reference[:, 3].fill(1)
     return memory
@@ -149,6 +146,14 @@ def aim_geometric(
 @njit(**INLINE)
 def control_geometric(s: Settings, g: Geometric, p: ControlLoop) -> None:
     """One control step on all lanes: from the state seen to the command, `history[0]`."""
+    if s.corrected:
+        observe(s, p)
+        push_of(p, p.drag, False, p.push)
+        correct_target(p, g.reference[0], False, g.push)
+        for i in range(3):
+            g.acceleration[i] = g.acceleration[i] - g.push[i]
+        if s.offset_free:
+            plan_bounds(s, p, g.low, g.high)
     predict(s, g.gravity, p)
     steer(p.seen, g.reference[0], g.acceleration, g.gains, g.low, g.high, g.gravity, g.command)
-    issue(p, g.command)
+    issue(s, p, g.command)

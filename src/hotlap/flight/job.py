@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-LOG_COLUMNS = 21  # p q v w, rotor thrusts, command
+LOG_COLUMNS = 25  # p q v w, rotor thrusts, command, estimates
 
 
 class Settings(NamedTuple):
@@ -28,6 +28,14 @@ class Settings(NamedTuple):
         thrust_bias, position, velocity, attitude: standard deviations of what differs from flight to flight.
         measured_position, measured_velocity, measured_attitude: those of the state that the controller sees.
         wind, wind_memory: standard deviation of the gusts, and factor by which they decay in one period.
+        steady_wind: [m/s^2].
+        sagging: whether a battery takes thrust from any of the flights.
+        duration: [s] of the reference.
+        offset_free: whether the observer estimates thrust effectiveness and disturbance; see `observer`.
+        corrected: whether target and prediction are corrected, for what is estimated or for drag.
+        acted_periods, acted_rest: the known dead time in whole periods, and the rest as a share of one.
+        least_thrust, largest_thrust: [m/s^2] bounds of the thrust that is commanded; the second grows where effectiveness is lost.
+        thrust_limit: [m/s^2] that the controller plans with.
     """
 
     nodes: int
@@ -56,6 +64,16 @@ class Settings(NamedTuple):
     measured_attitude: float
     wind: float
     wind_memory: float
+    steady_wind: float
+    sagging: bool
+    duration: float
+    offset_free: bool
+    corrected: bool
+    acted_periods: int
+    acted_rest: float
+    least_thrust: float
+    largest_thrust: float
+    thrust_limit: float
 
 
 class Job(NamedTuple):
@@ -72,10 +90,13 @@ class Job(NamedTuple):
         low, high: (4,) bounds of the inputs.
         vehicles: (B or 1, V) as `plant.vehicle_numbers` gives them.
         delay_periods, delay_steps: (B or 1,) dead time in control periods and, beyond them, in steps of the plant.
+        sags: (B or 1, 2) share of thrust lost over the reference's duration, and in a second for each N^1.5 of thrust.
         autopilot: (A,).
         control_model: (M,) in the order of `parameter_layout.MODEL`.
+        known_drag: (M,) the same with the drags that `observer` corrects for, else zeros.
+        observer: (G,) as `observer.observer_numbers` gives them.
         log_rows: (B,) row in `logs`, -1 for a flight that is not logged.
-        logs: (L, periods + 1, 21).
+        logs: (L, periods + 1, 25).
         queue: (1,) next flight that nobody flies yet.
     """
 
@@ -91,8 +112,11 @@ class Job(NamedTuple):
     vehicles: Any
     delay_periods: Any
     delay_steps: Any
+    sags: Any
     autopilot: Any
     control_model: Any
+    known_drag: Any
+    observer: Any
     log_rows: Any
     logs: Any
     queue: Any

@@ -26,6 +26,7 @@ from hotlap.flight.numbers import COMPILE, INLINE, INNER, Numbers
 from hotlap.flight.plant import MASS, THRUST_FACTOR, WIND, VehicleState, allocate_vehicle_state, fly_period
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import FRESH
+from hotlap.race.battery import MOST_LOST
 from hotlap.race.controllers import ControllerKind
 
 IDLE = -1
@@ -40,12 +41,14 @@ class Lane(NamedTuple):
         tick: (lanes,) control steps since its start.
         piece: (lanes,) of the reference that its parameters belong to.
         correlated: (7, lanes) correlated noise: thrust, rates, wind.
+        thrust: (2, lanes) factor of the thrust at the start, and share of it that the battery has lost by its charge.
     """
 
     flight: Any
     tick: Any
     piece: Any
     correlated: Any
+    thrust: Any
 
 
 def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
@@ -55,11 +58,11 @@ def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settin
         Control steps of all lanes, and of lanes that flew, shape (2,).
     """
     lanes, real, effort = numbers.lanes, numbers.dtype, np.zeros(2, dtype=np.int64)
-    commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods) + 2
+    commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods, settings.acted_periods) + 2
     controller = CONTROLLERS[kind].allocate(settings.nodes, lanes, real)
     memory = controller, allocate_control_loop(commands, lanes, real), allocate_vehicle_state(lanes, real)
     flight, tick, piece = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
-    lane = Lane(flight, tick, piece, correlated=np.zeros((7, lanes)))
+    lane = Lane(flight, tick, piece, correlated=np.zeros((7, lanes)), thrust=np.zeros((2, lanes)))
     worker(numbers, kind)(job, settings, gates, verdicts, *memory, lane, effort)
     return effort
 
@@ -133,8 +136,9 @@ def _start_flight(job: Job, s: Settings, floor: float, loop: ControlLoop, vehicl
     vehicle_state.older_steps[0, k], vehicle_state.step[0, k] = job.delay_steps[vehicle], s.plant_step
     vehicle_state.disturbance[:, k] = 0
     vehicle_state.disturbance[THRUST_FACTOR, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS)
+    lane.thrust[0, k], lane.thrust[1, k] = 1 + s.thrust_bias * noise.normal(seed, 0, noise.BIAS), 0
     _place(job, s, floor, vehicle_state, k, seed, job.vehicles[vehicle, MASS])
-    begin_control_loop(s, loop, k)
+    begin_control_loop(job, s, loop, k)
     lane.correlated[:, k] = 0
     vehicle_state.acting[:, k] = 0
     vehicle_state.acting[0, k] = s.gravity
@@ -192,7 +196,35 @@ def _actuate(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleSta
         for a in range(3):
             lane.correlated[4 + a, k] = s.wind_memory * lane.correlated[4 + a, k] + fresh * noise.normal(seed, step, noise.WIND + a)
             vehicle_state.disturbance[WIND + a, k] = s.wind * lane.correlated[4 + a, k]
+    if s.steady_wind > 0:
+        _add_steady_wind(s, vehicle_state, seed, k)
+    if s.sagging:
+        _draw_battery(job, s, vehicle_state, lane, k)
     _log(job, loop, vehicle_state, lane, k)
+
+
+@njit(**INNER)
+def _add_steady_wind(s: Settings, vehicle_state: VehicleState, seed: int, k: int) -> None:
+    """Add the steady wind to a lane's gusts: level, from a direction that depends on the flight's seed."""
+    x, y = noise.normal(seed, 0, noise.HEADING), noise.normal(seed, 0, noise.HEADING + 1)
+    size = math.sqrt(x * x + y * y)
+    if s.wind <= 0:
+        vehicle_state.disturbance[WIND, k], vehicle_state.disturbance[WIND + 1, k] = 0, 0
+    if size > 0:
+        vehicle_state.disturbance[WIND, k] += s.steady_wind * x / size
+        vehicle_state.disturbance[WIND + 1, k] += s.steady_wind * y / size
+
+
+@njit(**INNER)
+def _draw_battery(job: Job, s: Settings, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
+    """Take from a lane's thrust what the battery has lost up to the beginning of this period; see `hotlap.race.battery`."""
+    i, passed = min(lane.flight[k], len(job.sags) - 1), min(lane.tick[k] * s.period / s.duration, 1.0)
+    lost = min(job.sags[i, 0] * passed + lane.thrust[1, k], MOST_LOST)
+    vehicle_state.disturbance[THRUST_FACTOR, k] = lane.thrust[0, k] * (1 - lost)
+    newtons = 0.0
+    for n in range(13, 17):
+        newtons += float(vehicle_state.state[n, k]) ** 2
+    lane.thrust[1, k] += job.sags[i, 1] * newtons * math.sqrt(newtons) * s.period
 
 
 @njit(**INLINE)
@@ -205,6 +237,7 @@ def _log(job: Job, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k
         for n in range(4):
             job.logs[row, tick, 13 + n] = vehicle_state.state[13 + n, k] ** 2
             job.logs[row, tick, 17 + n] = loop.history[0, n, k]
+            job.logs[row, tick, 21 + n] = loop.estimate[n, k]
 
 
 @njit(**INNER)

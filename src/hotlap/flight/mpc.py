@@ -16,6 +16,7 @@ from hotlap.dynamics.parameter_layout import NODE_JACOBIAN
 from hotlap.flight.compile import compiled, compiled_dynamics
 from hotlap.flight.lanes import every, number, select
 from hotlap.flight.numbers import COMPILE, aligned_zeros
+from hotlap.flight.observer import push
 from hotlap.flight.program import Program, Tape, dot
 from hotlap.flight.riccati import GAIN_SIZE, P_SIZE, SCRATCH_SIZE, backward_stage, forward_stage, terminal_stage
 
@@ -52,6 +53,7 @@ class Mpc(NamedTuple):
         input_weights: (4,) R.
         spacing: (1,) [s] time between nodes.
         low, high: (4,) bounds of the inputs.
+        push: (N + 1, 3) [m/s^2] (world) acceleration that acts at each node besides the model; see `observer`.
         constants: (V,) parameters of the model: gravity [m/s^2] first, which is all that the paper's model has.
         inputs: (N, 4) inputs that the present sweep has found.
         deviation: (N + 1, 9) of the states that the present sweep has found from the planned ones, in tangent coordinates.
@@ -72,6 +74,7 @@ class Mpc(NamedTuple):
     spacing: Any
     low: Any
     high: Any
+    push: Any
     constants: Any
     inputs: Any
     deviation: Any
@@ -101,7 +104,7 @@ def allocate_mpc(
     """
     sizes = {
         "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (nodes + 1, 4), "input_weights": (4,),
-        "spacing": (1,), "low": (4,), "high": (4,), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9),
+        "spacing": (1,), "low": (4,), "high": (4,), "push": (nodes + 1, 3), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9),
         "change": (2, 9), "jacobian": (nodes, jacobian), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE),
         "slope": (2, 9), "scratch": (scratch,), "needs_sweep": (1,), "convergence": (2,),
     }  # fmt: skip
@@ -112,7 +115,9 @@ def allocate_mpc(
 
 
 def solver(linearise: Callable[..., None], backward: Callable[..., None], forward: Callable[..., None]) -> Any:
-    """A compiled solver made of given stages: (memory, sweeps, stop_early) replaces the plan (X, U) by the solution around it.
+    """A compiled solver made of given stages: (memory, sweeps, stop_early, pushed) replaces the plan (X, U) by the solution around it.
+
+    A push of `Mpc.push` is an acceleration that does not depend on state and input: it moves where a node leads, and leaves the Jacobian.
 
     A sweep that meets no bound is exact. Further ones change only lanes in which a bound was met and an input moved, so that no lane
     depends on its neighbours.
@@ -141,7 +146,7 @@ def solver(linearise: Callable[..., None], backward: Callable[..., None], forwar
             )  # fmt: skip
 
     @njit(**COMPILE)
-    def solve(m: Mpc, sweeps: int, stop_early: bool = True) -> None:
+    def solve(m: Mpc, sweeps: int, stop_early: bool = True, pushed: bool = False) -> None:
         nodes = len(m.U)
         zero = number(m.X[0, 0], 0.0)
         for i in range(9):
@@ -151,6 +156,8 @@ def solver(linearise: Callable[..., None], backward: Callable[..., None], forwar
                 m.X[n], m.U[n], m.X[n + 1], m.deviation[n], m.spacing, m.low, m.high, m.constants,
                 m.inputs[n], m.deviation[n + 1], m.jacobian[n],
             )  # fmt: skip
+            if pushed:
+                push(m.deviation[n + 1], m.push[n], m.spacing[0], 6)
         m.needs_sweep[0] = number(zero, 1.0)
         for _ in range(sweeps):
             sweep(m)

@@ -16,6 +16,7 @@ from hotlap.flight.job import Job, Settings
 from hotlap.flight.mpc import Mpc, solve
 from hotlap.flight.mpc_reference import hover_inputs, plan_as_reference, read_reference, respace_plan
 from hotlap.flight.numbers import INLINE
+from hotlap.flight.observer import correct_target, observe, plan_bounds, push_of
 from hotlap.flight.segment_switch import BY_NODE, FRESH, piece_at, piece_flown
 from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.race.race import ControllerSettings
@@ -96,8 +97,13 @@ def move_plan(m: Mpc, p: ControlLoop) -> None:
             m.U[n, a] += p.shift[0] * (m.U[n + 1, a] - m.U[n, a])
 
 
-def controls(predict: Any, solve: Any) -> tuple[Any, Any]:
+def controls(predict: Any, solve: Any, *, model_has_drag: bool = False) -> tuple[Any, Any]:
     """Two compiled functions of (settings, memory, loop), on all lanes, made from a model's predictor and solver.
+
+    Args:
+        predict: from `predictor`.
+        solve: from `solver`.
+        model_has_drag: whether the model has the vehicle's drags itself.
 
     Returns:
         The plan that a control step begins with, from the state seen as it will be when the command acts; and the whole step, from
@@ -105,8 +111,20 @@ def controls(predict: Any, solve: Any) -> tuple[Any, Any]:
     """
 
     @njit(**INLINE)
+    def correct(s: Settings, m: Mpc, p: ControlLoop) -> None:
+        """Observe, and correct target and bounds for what was learnt and for drag."""
+        observe(s, p)
+        push_of(p, p.drag, model_has_drag, p.push)
+        for n in range(len(m.push)):
+            correct_target(p, m.reference[n], model_has_drag, m.push[n])
+        if s.offset_free:
+            plan_bounds(s, p, m.low, m.high)
+
+    @njit(**INLINE)
     def begin_plan(s: Settings, m: Mpc, p: ControlLoop) -> None:
         """Move the last plan on, and begin it at the state predicted."""
+        if s.corrected:
+            correct(s, m, p)
         move_plan(m, p)
         predict(s, m.constants, p)
         for i in range(10):
@@ -116,8 +134,8 @@ def controls(predict: Any, solve: Any) -> tuple[Any, Any]:
     def control(s: Settings, m: Mpc, p: ControlLoop) -> None:
         """The whole step."""
         begin_plan(s, m, p)
-        solve(m, s.sweeps, s.stop_early)
-        issue(p, m.U[0])
+        solve(m, s.sweeps, s.stop_early, s.corrected)
+        issue(s, p, m.U[0])
 
     return begin_plan, control
 

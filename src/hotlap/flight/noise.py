@@ -7,7 +7,7 @@ from numba import njit
 
 CHANNELS = 64  # a step
 THRUST, RATES, WIND, MEASURED = 0, 1, 4, 7  # channels of every step: 1, 3, 3 and 9 of them
-POSITION, VELOCITY, ATTITUDE, BIAS = 16, 20, 24, 28  # channels of step 0: 3, 3, 3 and 1
+POSITION, VELOCITY, ATTITUDE, BIAS, HEADING = 16, 20, 24, 28, 32  # channels of step 0: 3, 3, 3, 1 and 2
 
 
 @njit(inline="always")

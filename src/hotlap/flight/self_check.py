@@ -28,6 +28,7 @@ from hotlap.flight.fly import fly_batch
 from hotlap.flight.kernel import worker
 from hotlap.flight.kernel_cache import check_file_of
 from hotlap.flight.numbers import Numbers
+from hotlap.race.battery import Battery
 from hotlap.race.controllers import ControllerKind
 from hotlap.race.obstacles import Pole
 from hotlap.race.quadrotor import Quadrotor
@@ -60,9 +61,17 @@ DRONE = Quadrotor(
     torque_damping=0.1,
     delay=0.0225,
     radius=0.05,
+    battery=Battery(sag=0.1, sag_per_ampere_hour=20.0, hover_current=20.0),
 )
 NOISE = NoiseSettings(
-    position=0.3, velocity=1.0, attitude=0.1, measured_position=0.01, measured_velocity=0.01, measured_attitude=0.01, wind=1.0
+    position=0.3,
+    velocity=1.0,
+    attitude=0.1,
+    measured_position=0.01,
+    measured_velocity=0.01,
+    measured_attitude=0.01,
+    wind=1.0,
+    steady_wind=0.5,
 )
 JUMP = (1.0, -1.0, 1.0)  # m; a longer one asks for bang-bang, in which a rounding error may grow
 GATES = (

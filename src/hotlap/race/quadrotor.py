@@ -18,10 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
+from hotlap.race.battery import Battery
 from hotlap.race.schema import Described, NotNegative, Positive
 
 GRAVITY = 9.81  # m/s^2
 MEASURED = 0.02  # share by which measured moments of inertia may break the triangle rule
+MOST_DELAY = 0.25  # s
 PROPELLERS = 1.5  # radius of a quadrotor over its arm: propellers reach about half an arm further
 
 
@@ -63,12 +65,14 @@ class Quadrotor(Described):
     """[-] share of the present torque that the rate loop subtracts (RotorS's second gain)."""
     rate_limit: tuple[Positive, Positive, NotNegative] = (10.0, 10.0, 3.0)
     """[rad/s] (body) rates that a plan may ask for."""
-    delay: float = Field(default=0.0, ge=0.0, le=0.25)
+    delay: float = Field(default=0.0, ge=0.0, le=MOST_DELAY)
     """[s] dead time from command to rotors."""
     gravity: Positive = GRAVITY
     """[m/s^2] downward acceleration."""
     radius: NotNegative | None = None
     """[m] of the ball that the vehicle fills, propellers included. None: 1.5 times the arm."""
+    battery: Battery | None = None
+    """what thrust loses while the battery is drawn down. None: nothing."""
     provenance: str = ""
     """where the numbers come from."""
 
@@ -124,6 +128,16 @@ class Quadrotor(Described):
     def outer_radius(self) -> float:
         """[m] of the ball that the vehicle fills: what it keeps clear of frames and obstacles."""
         return PROPELLERS * self.arm if self.radius is None else self.radius
+
+    @property
+    def sag(self) -> float:
+        """Share of thrust [-] that the battery has lost at the end of the reference by time alone."""
+        return 0.0 if self.battery is None else self.battery.sag
+
+    @property
+    def charge_sag(self) -> float:
+        """Share of thrust [1/(s N^1.5)] that the battery loses in each second for each N^1.5 of thrust."""
+        return 0.0 if self.battery is None else self.battery.charge_sag(self.mass * self.gravity)
 
     @property
     def lag(self) -> float:

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from hotlap.race.controllers import TUNABLE, ControllerKind
+from hotlap.race.observer import ObserverSettings
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.schema import Described, NotNegative, Positive
 from hotlap.race.track import Track
@@ -44,8 +45,9 @@ class PlanningSettings(Described):
 
     quadrotor: Quadrotor | None = None
     """the planning model. None: the vehicle with `thrust_share` of its thrust."""
-    thrust_share: float = Field(default=0.75, gt=0, le=1)
-    """[-] share of the vehicle's rotor thrust left to the plan where no `quadrotor` is given."""
+    thrust_share: float | None = Field(default=None, gt=0, le=1)
+    """[-] share of the vehicle's rotor thrust left to the plan where no `quadrotor` is given. None: `hotlap tune` chooses the boldest that
+    its controller holds, and all other commands take 0.85."""
     v_max: float | None = Field(default=None, gt=0, le=200)
     """[m/s] terminal speed of the planner's linear drag at full thrust in level flight. None: the quadrotor's own drag."""
     tolerance: float = Field(default=0.2, gt=0, le=5)
@@ -62,6 +64,11 @@ class PlanningSettings(Described):
     """limits that grow over the first metres. None: full from the start."""
     floor: float | None = None
     """[m] height below which the plan does not go. None: the track's floor."""
+
+    @property
+    def free(self) -> bool:
+        """Whether it is left open how bold the plan is."""
+        return self.quadrotor is None and self.thrust_share is None
 
 
 class ReferenceTime(StrEnum):
@@ -89,6 +96,10 @@ class SegmentSwitch(StrEnum):
     DISTANCE = "distance"
 
 
+USUAL_SHARE = 0.85  # of the rotor thrust, for a plan of which nothing is said: docs/planning.md
+LEAST_THRUST = 0.1  # m/s^2, of a collective command
+
+
 class ControllerSettings(Described):
     """Settings of the controller that are not tuned (Eq. 3 of the paper)."""
 
@@ -102,8 +113,8 @@ class ControllerSettings(Described):
     """[s] of the control loop."""
     sweeps: int = Field(default=2, ge=1, le=10)
     """box-constrained Riccati sweeps per control step."""
-    thrust: tuple[NotNegative, Positive] = (0.1, 20.0)
-    """[m/s^2] least and largest collective thrust per mass."""
+    thrust: tuple[NotNegative, Positive] = (LEAST_THRUST, 20.0)
+    """[m/s^2] least and largest collective thrust per mass (in a race that does not say it: up to what the model's rotors give)."""
     rates: tuple[Positive, Positive, Positive] = (10.0, 10.0, 3.0)
     """[rad/s] largest body rates (symmetric bounds)."""
     input_weights: tuple[Positive, Positive, Positive] = (1.0, 1.0, 1.0)
@@ -116,6 +127,12 @@ class ControllerSettings(Described):
     """predict the state over the model's dead time, and over a share of its lag."""
     lag_lead: float = Field(default=0.5, ge=0, le=1)
     """[-] that share: of the lag of motors and rate loop, which the controller's model does not have."""
+    offset_free: bool | None = None
+    """estimate thrust effectiveness and disturbance in flight, and make up for them. None: where the plan leaves the thrust for it."""
+    observer: ObserverSettings = ObserverSettings()
+    """how fast these are estimated."""
+    reference_drag: bool = True
+    """make up for the model's drag at the reference's velocities and attitudes."""
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
     """what a predicting controller compares with: the reference when the command acts, or now."""
     segment_switch: SegmentSwitch = SegmentSwitch.TIME
@@ -178,6 +195,8 @@ class NoiseSettings(Described):
     """[m/s^2] (world) acceleration by gusts, correlated over `wind_time`."""
     wind_time: Positive = 1.0
     """[s] correlation time of the gusts."""
+    steady_wind: NotNegative = 0.0
+    """[m/s^2] (world) acceleration by a steady wind, level, from a direction that each flight draws."""
 
 
 class GateRule(StrEnum):
@@ -240,6 +259,17 @@ class Race(Described):
     provenance: str = ""
     """where the settings come from."""
 
+    @model_validator(mode="after")
+    def _up_to_the_rotors(self) -> Race:
+        """A thrust bound that nobody has set is what the rotors give."""
+        controller = self.controller
+        if "thrust" in controller.model_fields_set:
+            return self
+        bounded = controller.model_copy(update={"thrust": (LEAST_THRUST, self.control_model.max_acceleration)})
+        bounded.model_fields_set.discard("thrust")  # a race that builds on this one with another vehicle has the bound of that
+        object.__setattr__(self, "controller", bounded)
+        return self
+
     @field_validator("judge")
     @classmethod
     def _by_openings(cls, judge: JudgeSettings, known: ValidationInfo) -> JudgeSettings:
@@ -268,12 +298,21 @@ class Race(Described):
         return self.control_model.delay + self.controller.lag_lead * self.control_model.lag
 
     @property
+    def thrust_share(self) -> float:
+        """Share [-] of the control model's rotor thrust that is asked for the plan, where `planning.quadrotor` does not say it."""
+        return USUAL_SHARE if self.planning.thrust_share is None else self.planning.thrust_share
+
+    def with_share(self, share: float) -> Race:
+        """The same race, planned with a share of the thrust."""
+        return self.model_copy(update={"planning": self.planning.model_copy(update={"thrust_share": share})})
+
+    @property
     def planning_model(self) -> Quadrotor:
         """The quadrotor that the planner plans for: `planning.quadrotor`, or the control model with a share of its rotor thrust."""
         if self.planning.quadrotor is not None:
             return self.planning.quadrotor
         low, high = self.control_model.rotor_thrust
-        high = min(self.planning.thrust_share * high, 0.95 * self.controller.thrust[1] * self.control_model.mass / 4)
+        high = min(self.thrust_share * high, 0.95 * self.controller.thrust[1] * self.control_model.mass / 4)
         return self.control_model.model_copy(update={"rotor_thrust": (min(low, 0.5 * high), high)})
 
     @property

@@ -26,6 +26,8 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "torque_damping": ("torque_damping",),
     "delay": ("delay",),
     "gravity": ("gravity",),
+    "sag": ("sag",),
+    "charge_sag": ("charge_sag",),
 }
 """Names of the numbers that each physical parameter of `Quadrotor` consists of."""
 

@@ -14,6 +14,9 @@ from hotlap.reference.reference import Reference
 from hotlap.reference.segmentation import Segments
 
 
+LEAST_MARGIN = 1.0  # of thrust, from which on offset-free control helps
+
+
 @dataclass(frozen=True)
 class Scenario:
     """Everything that a flight needs but parameters and seed: what a world flies.
@@ -35,6 +38,18 @@ class Scenario:
         """The tunable parameters of one segment, with their bounds."""
         settings = self.race.controller
         return space_of(settings.kind, settings.low, settings.high, settings.default)
+
+    @property
+    def offset_free(self) -> bool:
+        """Whether the controller estimates thrust effectiveness and disturbance: as the race says, or where the plan leaves thrust for it."""
+        asked = self.race.controller.offset_free
+        return self.thrust_margin >= LEAST_MARGIN if asked is None else asked
+
+    @property
+    def thrust_margin(self) -> float:
+        """Thrust that the controller may plan over the largest thrust of the reference [-]."""
+        most = min(self.race.controller.thrust[1], self.race.control_model.max_acceleration)
+        return most / float(self.reference.thrust[: self.reference.planned_rows].max())
 
     @property
     def gate_segments(self) -> NDArray[np.int64]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hotlap.analysis.comparison import Run
-from hotlap.analysis.comparison_table import Row, cells_of, overall, rows_of
+from hotlap.analysis.comparison_table import Row, cells_of, held_cells_of, overall, rows_of
 from hotlap.report.article import Article
 
 CAPTIONS = {
@@ -37,6 +37,14 @@ def compose_article(runs: Sequence[Run], pictures: Sequence[Path], source: str, 
         article.picture(path, CAPTIONS.get(path.stem, path.stem))
     article.head("Race by race")
     _add_table(article, rows_of(runs))
+    if any(run.held for run in runs):
+        article.head("Will it hold?")
+        article.say(
+            "The result of each run flown under the conditions that were asked for; share of flights that met the goal, mean over runs."
+        )
+        for rows in (overall(runs), rows_of(runs)):
+            heads, *body = held_cells_of(rows)
+            article.table(heads, body)
     article.head("Run it again")
     article.say(f"`{command}`")
     return article

@@ -10,8 +10,9 @@ import numpy as np
 
 from hotlap.analysis.comparison import Cell, Run
 from hotlap.analysis.comparison_table import summarise
-from hotlap.analysis.fastest import RELIABLE, PlanSettings, fastest, judge_plan, try_plan
+from hotlap.analysis.fastest import RELIABLE, fastest
 from hotlap.analysis.learning import built_in_world
+from hotlap.analysis.plan_trials import PlanSettings, judge_plan, try_plan
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.analysis.statistics import bootstrap_interval, means
 from hotlap.core.seeds import Stream, flight_seeds

@@ -20,14 +20,17 @@ from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments
+from hotlap.tuners import Tuner
+from hotlap.tuners.contest import Contest
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
 from hotlap.tuning.scoring import Metric
 
 GIVEN = "given"  # name of a first guess that a program passed as numbers
-MAY_DIFFER = ("budget", "first_guess_name", "race.planning.dynamics")
-"""A study may be given a larger budget. Of a first guess the numbers are compared, and of a plan the reference, however they were found."""
-FORMER: Mapping[str, Any] = {"lag_lead": 0.0}
+MAY_DIFFER = ("budget", "first_guess_name", "rival", "race.planning.dynamics")
+"""A study may be given a larger budget, and goes on with the rival that it has. Of a first guess the numbers are compared, and of a plan
+the reference, however they were found."""
+FORMER: Mapping[str, Any] = {"lag_lead": 0.0, "offset_free": False, "reference_drag": False}
 """Keys of the controller that studies of earlier versions do not have, with the values by which those were flown."""
 
 
@@ -44,6 +47,7 @@ class Configuration:
         first_guess: shape (S, K).
         cost: of one's own, as `Objective.own_cost` names it; "" where the metric's counts.
         first_guess_name: where the first guess comes from: "learned", "paper", "default", a path, or `GIVEN`.
+        rival: shape (S, K), another guess that is flown against the first before the search begins at the better one; None for none.
     """
 
     scenario: Scenario
@@ -54,6 +58,12 @@ class Configuration:
     first_guess: Parameters
     cost: str = ""
     first_guess_name: str = GIVEN
+    rival: Parameters | None = None
+
+    def build_tuner(self) -> Tuner:
+        """The tuner, not yet started."""
+        tuner = tuners.build(self.tuner)
+        return tuner if self.rival is None else Contest(tuner, self.rival)
 
     @property
     def cost_name(self) -> str:
@@ -82,6 +92,7 @@ class Configuration:
             "goal": str(self.settings.goal),
             "first_guess": self.first_guess.tolist(),
             "first_guess_name": self.first_guess_name,
+            "rival": None if self.rival is None else self.rival.tolist(),
             "cost": self.cost,
         }
 
@@ -102,7 +113,14 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
         first_guess=np.array(plain["first_guess"]),
         cost=plain["cost"],
         first_guess_name=plain["first_guess_name"],
+        rival=load_rival(plain),
     )
+
+
+def load_rival(plain: Mapping[str, Any]) -> Parameters | None:
+    """The rival of the first guess in a dump; studies of earlier versions have none."""
+    rival = plain.get("rival")
+    return None if rival is None else np.array(rival)
 
 
 def _load_race(plain: Mapping[str, Any]) -> Race:

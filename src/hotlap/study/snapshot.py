@@ -28,6 +28,7 @@ class Snapshot:
         ledger: all flights.
         openings: when it was worked on, with the versions of what worked.
         command: that began it.
+        hold: conditions that its result is to hold under, as they were asked for.
     """
 
     folder: Path
@@ -37,6 +38,7 @@ class Snapshot:
     ledger: Ledger
     openings: tuple[tuple[str, Mapping[str, str]], ...]
     command: str
+    hold: str = ""
 
     @property
     def best(self) -> Parameters:
@@ -57,6 +59,7 @@ def read_snapshot(study: Study) -> Snapshot:
             ledger=study.flights(),
             openings=tuple(study.openings),
             command=study.command or _rebuild(configuration),
+            hold=study.hold,
         )
 
 
@@ -66,7 +69,7 @@ def _rebuild(configuration: Configuration) -> str:
     words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
     name = "default" if begins_at_default(configuration) else configuration.first_guess_name
-    return shlex.join(words if name == GIVEN else [*words, "--first-guess", name])
+    return shlex.join(words if name == GIVEN or configuration.rival is not None else [*words, "--first-guess", name])
 
 
 def begins_at_default(configuration: Configuration) -> bool:

@@ -21,12 +21,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from hotlap import tuners
 from hotlap.core.errors import InputError, StudyError
 from hotlap.core.ledger import Ledger
 from hotlap.core.seeds import Stream
 from hotlap.core.version import __version__
-from hotlap.study.configuration import Configuration, first_difference, load_configuration, pack_reference, unpack_reference
+from hotlap.study.configuration import Configuration, first_difference, load_configuration, load_rival, pack_reference, unpack_reference
 from hotlap.study.database import FILE, Database
 from hotlap.study.increments import grow, increment
 from hotlap.study.result import Result
@@ -67,13 +66,14 @@ class Study:
         self._state: Any = None  # as it was recorded last, if anything was
 
     @classmethod
-    def open(cls, folder: str | Path, configuration: Configuration, command: str = "") -> Self:
+    def open(cls, folder: str | Path, configuration: Configuration, command: str = "", hold: str = "") -> Self:
         """Begin a study, or continue one of the same configuration; a larger budget may be given.
 
         Args:
             folder: of the study.
             configuration: what is tuned, and how.
             command: that does the same again, to be kept.
+            hold: conditions that the result is to hold under, to be kept; "": those that were kept before.
 
         Raises:
             StudyError: another configuration, another process at work, a file that is no study or of a newer format, no room.
@@ -86,6 +86,8 @@ class Study:
                 study._continue(configuration)
             if command and command != study.command:
                 study._enter("command", command)
+            if hold:
+                study._enter("hold", hold)
         return study
 
     @classmethod
@@ -122,7 +124,7 @@ class Study:
     def tuning(self) -> Tuning:
         """The run after the last recorded batch, ready to be continued."""
         asked = self.configuration
-        return Tuning(tuners.build(asked.tuner), asked.scenario, asked.settings, asked.first_guess, self._recorded_state())
+        return Tuning(asked.build_tuner(), asked.scenario, asked.settings, asked.first_guess, self._recorded_state())
 
     @property
     def wall_time(self) -> float:
@@ -153,6 +155,11 @@ class Study:
     def command(self) -> str:
         """The command that does the same again; "" where it was not kept."""
         return self._entry("command") or ""
+
+    @property
+    def hold(self) -> str:
+        """Conditions that the result is to hold under, as they were asked for; "" where nobody asked."""
+        return self._entry("hold") or ""
 
     @property
     def openings(self) -> list[tuple[str, dict[str, str]]]:
@@ -252,7 +259,7 @@ class Study:
         if asked["budget"] < plain["budget"]:
             reason = f"this study has {plain['budget']} flights and may be given more, not {asked['budget']}"
             raise StudyError(str(self.folder), "budget", reason)
-        self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"])
+        self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"], rival=load_rival(plain))
         with self._transaction():
             self._enter("configuration", json.dumps({**plain, "budget": asked["budget"]}, allow_nan=False))
             self._note_opening()

@@ -99,7 +99,7 @@ def _validation(validation: Validation) -> dict[str, Any]:
 
 
 def _robustness(robustness: Robustness) -> dict[str, Any]:
-    return {"change": robustness.change, **_validation(robustness.validation)}
+    return {"change": robustness.change, "asked": robustness.asked, **_validation(robustness.validation)}
 
 
 def _flights(snapshot: Snapshot) -> dict[str, Any]:
@@ -162,7 +162,7 @@ def _configuration(snapshot: Snapshot) -> dict[str, Any]:
     asked = snapshot.configuration
     plain, race = asked.dump(), asked.scenario.race
     tuner = {f"tuner.{key}": value for key, value in plain["tuner"].items()}
-    settings = {key: value for key, value in plain.items() if key not in {"tuner", "race", "segments", "first_guess"}}
+    settings = {key: value for key, value in plain.items() if key not in {"tuner", "race", "segments", "first_guess", "rival"}}
     return {
         "command": snapshot.command,
         "fingerprint": asked.fingerprint,

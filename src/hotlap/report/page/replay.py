@@ -17,6 +17,7 @@ from hotlap.analysis.sensitivity import Sensitivity, survey_sensitivity
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
 from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.race.hold import parse_hold
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort, effort_of
 from hotlap.report.scene import Scene, repeat, stage, trace
@@ -93,7 +94,7 @@ class Replay:
         scene: one flight of each set of parameters in full, and how the others ended.
         efforts: for each of these flights, the effort of its commands and of the reference's inputs.
         sensitivity: of the best parameters; None where it was not flown.
-        robustness: of the best parameters with vehicles that differ; empty where it was not flown.
+        robustness: of the best parameters under other conditions; empty where it was not flown.
     """
 
     scene: Scene
@@ -102,14 +103,17 @@ class Replay:
     robustness: tuple[Robustness, ...]
 
 
-def replay_finished(configuration: Configuration, world: World, best: Parameters, *, robustness: bool | None = None) -> Replay:
+def replay_finished(
+    configuration: Configuration, world: World, best: Parameters, *, robustness: bool | None = None, hold: str = ""
+) -> Replay:
     """Fly everything that the page of a finished study shows.
 
     Args:
         configuration: of the study.
         world: where its flights happen.
         best: shape (S, K).
-        robustness: whether vehicles that differ are flown; None: where the world can, and is not slow.
+        robustness: whether other conditions are flown; None: where the world can, and is not slow.
+        hold: conditions that were asked for; they are flown wherever the world can.
     """
     scenario, settings = _judged(configuration.scenario), configuration.settings
     sets, seeds = choose(scenario, configuration.first_guess, best), _seeds(configuration, FLIGHTS)
@@ -117,9 +121,10 @@ def replay_finished(configuration: Configuration, world: World, best: Parameters
     flown = _fly(scenario, world, sets, seeds)
     slow = time.perf_counter() - before > SLOW * len(flown)
     checked: tuple[Robustness, ...] = ()
-    if world.takes_vehicle_parameters and (not slow if robustness is None else robustness):
+    asked = parse_hold(hold)
+    if world.takes_vehicle_parameters and (asked or (not slow if robustness is None else robustness)):
         as_tuned = score(flown, scenario.race.judge).rows(slice(0, FLIGHTS))  # the best come first
-        checked = check_robustness(scenario, world, settings.goal, best, settings.seed, FLIGHTS, as_tuned)
+        checked = check_robustness(scenario, world, settings.goal, best, settings.seed, FLIGHTS, as_tuned, asked)
     sensitivity = None if slow else survey_sensitivity(scenario, world, best, settings.seed)
     scene = _stage(scenario, flown, sets)
     return Replay(scene, _efforts(scene, scenario), sensitivity, checked)

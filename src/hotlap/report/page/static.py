@@ -125,8 +125,9 @@ def _tables(snapshot: Snapshot, replay: Replay | None) -> Iterator[str]:
         numbers=(1,),
     )
     if replay.robustness:
-        rows = [(one.change, share(one.validation.successes, one.validation.flights)) for one in replay.robustness]
-        yield element("h2", "Robustness: the tuned parameters with a changed vehicle") + table(("change", "success rate"), rows)
+        rows = [(one.change, share(one.validation.successes, one.validation.flights), "yes" * one.asked) for one in replay.robustness]
+        heads = ("condition", "success rate", "asked for")[: 3 if snapshot.hold else 2]
+        yield element("h2", "Robustness: the tuned parameters under other conditions") + table(heads, [row[: len(heads)] for row in rows])
 
 
 def _parameters(snapshot: Snapshot) -> str:

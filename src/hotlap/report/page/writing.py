@@ -37,7 +37,7 @@ def write_report(study: Study, world: World) -> Path:
         InputError: when it cannot be written.
     """
     snapshot = read_snapshot(study)
-    return write_replay(snapshot, replay_finished(snapshot.configuration, world, snapshot.best))
+    return write_replay(snapshot, replay_finished(snapshot.configuration, world, snapshot.best, hold=snapshot.hold))
 
 
 def write_replay(snapshot: Snapshot, replay: Replay) -> Path:
@@ -101,7 +101,7 @@ class LiveStudy:
 
     def __init__(self, folder: Path, world: World) -> None:
         self._folder, self._world, self._lock = folder, world, threading.Lock()
-        self._replays: dict[tuple[bytes, bool], Replay] = {}
+        self._replays: dict[tuple[bytes, bool, str], Replay] = {}
 
     def page(self) -> str:
         """The whole page as HTML.
@@ -135,7 +135,9 @@ class LiveStudy:
     def _replay(self, snapshot: Snapshot) -> Replay:
         """The last replay while the best parameters stay the same; a full one when the search is over."""
         best, finished = snapshot.best, snapshot.finished
-        key = best.tobytes(), finished
+        key = best.tobytes(), finished, snapshot.hold
         if key not in self._replays:
-            self._replays = {key: (replay_finished if finished else replay_running)(snapshot.configuration, self._world, best)}
+            asked, world = snapshot.configuration, self._world
+            full = replay_finished(asked, world, best, hold=snapshot.hold) if finished else None
+            self._replays = {key: full or replay_running(asked, world, best)}
         return self._replays[key]
