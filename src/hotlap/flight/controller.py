@@ -23,7 +23,6 @@ from hotlap.flight.lanes import as_numbers
 from hotlap.flight.numbers import COMPILE, Numbers
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import FRESH
-from hotlap.race.controllers import ControllerKind
 from hotlap.reference.scenario import Scenario
 
 STATE = 10  # p q v; body rates may follow and are not used
@@ -46,9 +45,9 @@ class Controller:
         self._job, _ = prepare(scenario, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
         self._settings = settings_of(scenario)._replace(stop_early=False)  # the same work at every step
         self._dead_time = scenario.race.prediction
-        kind = scenario.race.controller.kind
-        self._memory = CONTROLLERS[kind].allocate(self._settings.nodes, 1, np.float64)
-        self._begin, self._step = _steps(kind)
+        law = scenario.race.controller.law
+        self._memory = CONTROLLERS[law].allocate(self._settings, 1, np.float64)
+        self._begin, self._step = _steps(law)
         commands = math.ceil((self._dead_time + MOST_AGE) / self._settings.period) + 2
         self._loop = allocate_control_loop(commands, 1, np.float64)
         self.reset()
@@ -96,9 +95,9 @@ class Controller:
 
 
 @cache
-def _steps(kind: ControllerKind) -> tuple[Any, Any]:
+def _steps(law: str) -> tuple[Any, Any]:
     """Two compiled functions of a controller: start anew, and one control step."""
-    begin, aim, control = CONTROLLERS[kind].begin, CONTROLLERS[kind].aim, CONTROLLERS[kind].control
+    begin, aim, control = CONTROLLERS[law].begin, CONTROLLERS[law].aim, CONTROLLERS[law].control
 
     def begin_one(job: Job, s: Settings, memory: Any, loop: ControlLoop) -> None:
         """Forget the flight before."""
@@ -111,4 +110,4 @@ def _steps(kind: ControllerKind) -> tuple[Any, Any]:
         control(s, as_numbers(memory, 0), as_numbers(loop, 0))
         return now
 
-    return keep(njit(**COMPILE)(begin_one), f"{kind}-begin"), keep(njit(**COMPILE)(step_one), f"{kind}-step")
+    return keep(njit(**COMPILE)(begin_one), f"{law}-begin"), keep(njit(**COMPILE)(step_one), f"{law}-step")

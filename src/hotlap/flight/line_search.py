@@ -1,100 +1,50 @@
-"""The model-predictive controller where its problem is too long or too coarse for a real-time iteration.
+"""The model-predictive controller for horizons on which a real-time iteration does not converge.
 
-One linearisation and its solution taken whole (`mpc`) converge where the plan of the step before is close. Here each sweep linearises
-anew, and its policy is flown through the model itself, with feedback and within bounds; of full and smaller steps the first is taken
-that lowers the cost (Tassa, Mansard, Todorov, "Control-limited differential dynamic programming", ICRA 2014, with Gauss-Newton
-curvature). So a plan always obeys the model, and no sweep makes it worse.
+`mpc` linearises once, and takes the solution of the linear problem whole: right where the plan of the step before is close. Here each
+sweep linearises anew, and its policy is flown through the model itself, with its feedback and within bounds. Of the whole step and shorter
+ones the first is taken that lowers the cost (Li, Todorov, "Iterative linear quadratic regulator design for nonlinear biological movement
+systems", ICINCO 2004; with bounds Tassa, Mansard, Todorov, "Control-limited differential dynamic programming", ICRA 2014). So a plan always
+obeys the model, and no sweep makes it worse. A node's input is an offset from the reference's (`held_inputs`), and so no node is too long.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
 from numba import njit
 
-from hotlap.dynamics.parameter_layout import NODE_JACOBIAN
-from hotlap.flight.compile import compiled, compiled_dynamics
+from hotlap.flight.compile import compiled_dynamics
 from hotlap.flight.control_loop import ControlLoop, issue, predict
-from hotlap.flight.job import Job, Settings
+from hotlap.flight.job import Settings
 from hotlap.flight.lanes import every, number, select
-from hotlap.flight.mpc import allocate_mpc, backward, linearise, terminal
-from hotlap.flight.mpc_reference import read_reference
-from hotlap.flight.mpc_step import HORIZON, WEIGHTS
+from hotlap.flight.mpc import Mpc, backward, linearise, terminal
 from hotlap.flight.numbers import COMPILE, INLINE, aligned_zeros
-from hotlap.flight.program import Program, Tape, dot
-from hotlap.flight.riccati import GAIN_SIZE, SCRATCH_SIZE
-from hotlap.flight.segment_switch import BY_NODE, FRESH, piece_at, piece_flown
+from hotlap.flight.observer import correct_target, observe, plan_bounds, push, push_of
+from hotlap.flight.riccati import GAIN_SIZE
+from hotlap.flight.shooting import add_input_cost, add_state_cost, follow_policy, input_in_part, make_unit
 
-TRIALS = 5  # steps that are tried: 1, 1 / 4, 1 / 16, ...
-SMALLER = 0.25
-FINE = 80  # steps of the horizon in which plans are flown, at least
-
-
-def policy_stage() -> Program:
-    """(x, planned x, planned u, k, K, share, low, high) -> u + share k + K e within bounds, e from the planned x to x."""
-    tape = Tape()
-    sizes = (10, 10, 4, 4, GAIN_SIZE, 1, 4, 4)
-    x, planned, u, feed, gains, (share,), low, high = (tape.array(k, size) for k, size in enumerate(sizes))
-    a, b = planned[3:7], x[3:7]
-    turn = [
-        a[0] * b[1] - a[1] * b[0] - a[2] * b[3] + a[3] * b[2],
-        a[0] * b[2] - a[2] * b[0] - a[3] * b[1] + a[1] * b[3],
-        a[0] * b[3] - a[3] * b[0] - a[1] * b[2] + a[2] * b[1],
-    ]  # vec(conj(planned) o q)
-    e = [*(x[i] - planned[i] for i in range(3)), *(2.0 * part for part in turn), *(x[7 + i] - planned[7 + i] for i in range(3))]
-    wanted = [u[n] + share * feed[n] + dot(gains[9 * n : 9 * n + 9], e) for n in range(4)]
-    tape.store(8, [wanted[n].maximum(low[n]).minimum(high[n]) for n in range(4)])
-    return tape.program
+TRIALS, SHORTER = 5, 0.25  # steps that are tried: 1, 1 / 4, 1 / 16, ...
+LONGEST_PART = 0.05  # s, of a node
 
 
-def cost_stage() -> Program:
-    """(x, reference, Q, cost) -> cost with that of the state: halves of Q |x - reference|^2."""
-    tape = Tape()
-    x, r, (xy, z, attitude, velocity), (cost,) = (tape.array(k, size) for k, size in enumerate((10, 14, 4, 1)))
-    weights = [xy, xy, z, *[attitude] * 4, *[velocity] * 3]
-    errors = [x[i] - r[i] for i in range(10)]
-    tape.store(4, [cost + 0.5 * dot([w * e for w, e in zip(weights, errors, strict=True)], errors)])
-    return tape.program
+class SearchMpc(NamedTuple):
+    """Memory of the controller; the first part is that of `Mpc`, where X and U are offsets from the reference between control steps.
 
+    Attributes:
+        states: (N + 1, 10) of the trial; its inputs are `inputs`.
+        cost: (2,) of the plan, of the trial.
+        share: (1,) of the feed-forward that the trial takes.
+        open: (1,) 1 where the sweep has not lowered the cost yet.
+        fresh: (1,) 1 where a flight begins.
+        part: (1,) [s] length of a part of a node.
+        inputs_in_parts: (N, parts, 4) of the reference.
+        mean_inputs: (N, 4) of the reference over each node.
+        inputs_now: (4,) of the reference over the present control period.
+        gains_before: (N, 36) of the last control step.
+        acting, after: (4,), (10,) input in a part, and the state after it.
+    """
 
-def input_cost_stage() -> Program:
-    """(u, reference, R, cost) -> cost with that of the input."""
-    tape = Tape()
-    u, r, weights, (cost,) = (tape.array(k, size) for k, size in enumerate((4, 14, 4, 1)))
-    errors = [u[a] - r[10 + a] for a in range(4)]
-    tape.store(4, [cost + 0.5 * dot([w * e for w, e in zip(weights, errors, strict=True)], errors)])
-    return tape.program
-
-
-def unit_stage() -> Program:
-    """x with its quaternion normalised."""
-    tape = Tape()
-    x = tape.array(0, 10)
-    scale = 1.0 / dot(x[3:7], x[3:7]).square_root()
-    tape.store(0, [part * scale for part in x[3:7]], 3)
-    return tape.program
-
-
-def offset_stage() -> Program:
-    """(u, reference, inputs of the reference in a part of the node, low, high) -> input in that part."""
-    tape = Tape()
-    u, r, part, low, high = (tape.array(k, size) for k, size in enumerate((4, 14, 4, 4, 4)))
-    wanted = [part[a] + (u[a] - r[10 + a]) for a in range(4)]
-    tape.store(5, [wanted[a].maximum(low[a]).minimum(high[a]) for a in range(4)])
-    return tape.program
-
-
-offset = compiled(offset_stage)
-policy = compiled(policy_stage)
-state_cost = compiled(cost_stage)
-input_cost = compiled(input_cost_stage)
-make_unit = compiled(unit_stage)
-
-
-class SearchingMpc(NamedTuple):
     X: Any
     U: Any
     reference: Any
@@ -103,6 +53,7 @@ class SearchingMpc(NamedTuple):
     spacing: Any
     low: Any
     high: Any
+    push: Any
     constants: Any
     inputs: Any
     deviation: Any
@@ -118,160 +69,80 @@ class SearchingMpc(NamedTuple):
     states: Any
     cost: Any
     share: Any
+    open: Any
     fresh: Any
-    kept: Any
-    fine: Any
-    now: Any
     part: Any
-    step: Any
+    inputs_in_parts: Any
+    mean_inputs: Any
+    inputs_now: Any
+    gains_before: Any
+    acting: Any
     after: Any
 
 
-def allocate_searching(
-    nodes: int, lanes: int, kind: type[np.floating[Any]], *, constants: int = 1, jacobian: int = NODE_JACOBIAN, scratch: int = SCRATCH_SIZE
-) -> SearchingMpc:
-    base = allocate_mpc(nodes, lanes, kind, constants=constants, jacobian=jacobian, scratch=scratch)
-    sizes = (nodes + 1, 10), (2,), (1,), (1,), (nodes, GAIN_SIZE), (nodes, max(1, round(FINE / nodes)), 4), (4,), (1,), (4,), (10,)
-    memory = SearchingMpc(*base, *(aligned_zeros((*size, lanes), kind) for size in sizes))
-    memory.states[:, 3] = 1
-    return memory
+def allocate_search(memory: Mpc, parts: int) -> SearchMpc:
+    """Raw memory, with that of a controller as its first part, for so many parts of a node."""
+    lanes, kind, nodes = memory.X.shape[-1], memory.X.dtype.type, len(memory.U)
+    sizes = {
+        "states": (nodes + 1, 10), "cost": (2,), "share": (1,), "open": (1,), "fresh": (1,), "part": (1,),
+        "inputs_in_parts": (nodes, parts, 4), "mean_inputs": (nodes, 4), "inputs_now": (4,), "gains_before": (nodes, GAIN_SIZE),
+        "acting": (4,), "after": (10,),
+    }  # fmt: skip
+    memory.X[:, 3].fill(0)
+    return SearchMpc(*memory, **{name: aligned_zeros((*size, lanes), kind) for name, size in sizes.items()})
 
 
-@njit(**INLINE)
-def aim_searching(job: Job, s: Settings, mpc: Any, loop: ControlLoop, k: int, flight: int, before: int, time: float, elapsed: float) -> int:
-    ahead = time + s.lead
-    piece = piece_flown(job, s, loop.seen, k, before, ahead)
-    segment = job.piece_segments[piece]
-    spacing = job.parameters[flight, segment, HORIZON]
-    leave_reference(mpc, k)
-    mpc.fresh[0, k] = 0
-    if before == FRESH:
-        mpc.fresh[0, k] = 1
-        for n in range(len(mpc.X)):
-            for i in range(10):
-                mpc.X[n, i, k] = 0
-        for n in range(len(mpc.U)):
-            for i in range(4):
-                mpc.U[n, i, k] = 0
-    else:
-        move(mpc, k, mpc.spacing[0, k], spacing, elapsed)
-    mpc.spacing[0, k] = spacing
-    read_reference(mpc, k, job.table, s.table_period, ahead, spacing)
-    read_inputs(mpc, k, job.table, s, ahead, spacing)
-    for n in range(len(mpc.X)):
-        for i in range(10):
-            mpc.X[n, i, k] += mpc.reference[n, i, k]
-    for n in range(len(mpc.U)):
-        for a in range(4):
-            mpc.U[n, a, k] = min(max(mpc.U[n, a, k] + mpc.reference[n, 10 + a, k], mpc.low[a, k]), mpc.high[a, k])
-    for n in range(len(mpc.weights)):
-        if s.segment_switch == BY_NODE:
-            segment = job.piece_segments[piece_at(job.row_pieces, s.table_period, ahead + n * spacing)]
-        for i in range(4):
-            mpc.weights[n, i, k] = job.parameters[flight, segment, WEIGHTS[i]]
-    return piece
+def search(
+    predict: Any, linearise: Callable[..., None], backward: Callable[..., None], node: Callable[..., None], *, model_has_drag: bool = False
+) -> Any:
+    """A compiled control step of (settings, memory, loop), on all lanes, made from a model; from the state seen to the command.
 
-
-@njit(**INLINE)
-def leave_reference(m: Any, k: int) -> None:
-    for n in range(len(m.X)):
-        for i in range(10):
-            m.X[n, i, k] -= m.reference[n, i, k]
-    for n in range(len(m.U)):
-        for a in range(4):
-            m.U[n, a, k] -= m.reference[n, 10 + a, k]
-
-
-@njit(**INLINE)
-def move(m: Any, k: int, old: float, new: float, later: float) -> None:
-    nodes = len(m.U)
-    states, inputs, gains = m.X[:, :, k].copy(), m.U[:, :, k].copy(), m.gains[:, :, k].copy()
-    for n in range(nodes + 1):
-        place = (n * new + later) / old
-        row = int(min(place, nodes))
-        share = m.X.dtype.type(min(place - row, 1.0))
-        following = min(row + 1, nodes)
-        for i in range(10):
-            m.X[n, i, k] = states[row, i] + share * (states[following, i] - states[row, i]) 
-        if n < nodes:
-            following, row = min(row + 1, nodes - 1), min(row, nodes - 1)
-            for a in range(4):
-                m.U[n, a, k] = inputs[row, a] + share * (inputs[following, a] - inputs[row, a])
-            nearest = min(int(place + 0.5), nodes - 1)
-            if nearest != n:
-                for i in range(gains.shape[1]):
-                    m.gains[n, i, k] = gains[nearest, i]
-
-
-@njit(**INLINE)
-def read_inputs(m: Any, k: int, table: np.ndarray, s: Settings, time: float, spacing: float) -> None:
-    parts = m.fine.shape[1]
-    last = len(table) - 2
-    kind = m.reference.dtype.type
-    for a in range(4):
-        m.now[a, k] = mean_input(table, a, s, time, s.period, last)
-    part = spacing / parts
-    for n in range(len(m.U)):
-        for a in range(4):
-            total = kind(0)
-            for j in range(parts):
-                value = part_input(table, a, s, time, (n * parts + j) * part, part, last)
-                m.fine[n, j, a, k] = value
-                total += value
-            m.reference[n, 10 + a, k] = total / parts
-    m.part[0, k] = spacing / parts
-
-
-@njit(**INLINE)
-def mean_input(table: np.ndarray, a: int, s: Settings, time: float, span: float, last: int) -> Any:
-    first = input_at(table, a, (time + 0.25 * span) / s.table_period, last)
-    return (first + input_at(table, a, (time + 0.75 * span) / s.table_period, last)) / 2
-
-
-@njit(**INLINE)
-def part_input(table: np.ndarray, a: int, s: Settings, time: float, begin: float, part: float, last: int) -> Any:
-    if s.period < 0.5 * part:
-        return mean_input(table, a, s, time + begin, part, last)
-    end = begin + part
-    tick = math.floor(begin / s.period + 1e-9)
-    total = table.dtype.type(0)
-    while tick * s.period < end - 1e-9 * part:
-        share = (min(end, (tick + 1) * s.period) - max(begin, tick * s.period)) / part
-        total += table.dtype.type(share) * mean_input(table, a, s, time + tick * s.period, s.period, last)
-        tick += 1
-    return total
-
-
-@njit(**INLINE)
-def input_at(table: np.ndarray, a: int, place: float, last: int) -> Any:
-    row = int(min(place, last))
-    share = table.dtype.type(min(place - row, 1.0))
-    return table[row, 10 + a] + share * (table[row + 1, 10 + a] - table[row, 10 + a])
-
-
-def searching(predict: Any, linearise: Callable[..., None], backward: Callable[..., None], node: Callable[..., None]) -> Any:
+    Args:
+        predict: from `predictor`.
+        linearise: a node, as for `mpc.solver`.
+        backward: likewise.
+        node: (state, input, duration, constants, state after it).
+        model_has_drag: whether the model has the vehicle's drags itself.
+    """
 
     @njit(**COMPILE)
-    def roll(m: Any) -> None:
-        """Fly the policy with a share of its feed-forward from states[0]: states, inputs, cost[1]."""
+    def fly_trial(m: SearchMpc, pushed: bool) -> None:
+        """Fly the policy from the first state of the trial, and add up what it costs."""
         nodes = len(m.U)
-        m.cost[1] = number(m.X[0, 0], 0.0)
+        m.cost[1] = number(m.cost[1], 0.0)
         for n in range(nodes):
-            policy(m.states[n], m.X[n], m.U[n], m.feed[n], m.gains[n], m.share, m.low, m.high, m.inputs[n])
-            state_cost(m.states[n], m.reference[n], m.weights[n], m.cost[1:], m.cost[1:])
-            input_cost(m.inputs[n], m.reference[n], m.input_weights, m.cost[1:], m.cost[1:])
+            follow_policy(m.states[n], m.X[n], m.U[n], m.feed[n], m.gains[n], m.share, m.low, m.high, m.inputs[n])
+            add_state_cost(m.states[n], m.reference[n], m.weights[n], m.cost[1:], m.cost[1:])
+            add_input_cost(m.inputs[n], m.reference[n], m.input_weights, m.cost[1:], m.cost[1:])
             for i in range(10):
                 m.states[n + 1, i] = m.states[n, i]
-            for j in range(m.fine.shape[1]):
-                offset(m.inputs[n], m.reference[n], m.fine[n, j], m.low, m.high, m.step)
-                node(m.states[n + 1], m.step, m.part, m.constants, m.after)
+            for j in range(m.inputs_in_parts.shape[1]):
+                input_in_part(m.inputs[n], m.reference[n], m.inputs_in_parts[n, j], m.low, m.high, m.acting)
+                node(m.states[n + 1], m.acting, m.part, m.constants, m.after)
+                if pushed:
+                    push(m.after, m.push[n], m.part[0], 7)
                 for i in range(10):
                     m.states[n + 1, i] = m.after[i]
                 make_unit(m.states[n + 1])
-        state_cost(m.states[nodes], m.reference[nodes], m.weights[nodes], m.cost[1:], m.cost[1:])
+        add_state_cost(m.states[nodes], m.reference[nodes], m.weights[nodes], m.cost[1:], m.cost[1:])
 
     @njit(**COMPILE)
-    def find_policy(m: Any) -> None:
+    def take_trial(m: SearchMpc) -> None:
+        """Make the trial the plan in lanes that are open and in which it costs less."""
+        nodes, zero = len(m.U), number(m.cost[1], 0.0)
+        better = select(m.cost[1] < m.cost[0], m.open[0], zero) > 0.5
+        for n in range(nodes + 1):
+            for i in range(10):
+                m.X[n, i] = select(better, m.states[n, i], m.X[n, i])
+        for n in range(nodes):
+            for a in range(4):
+                m.U[n, a] = select(better, m.inputs[n, a], m.U[n, a])
+        m.cost[0] = select(better, m.cost[1], m.cost[0])
+        m.open[0] = select(better, zero, m.open[0])
+
+    @njit(**COMPILE)
+    def find_policy(m: SearchMpc) -> None:
+        """Gains and feed-forward around the plan, which obeys the model: deviations are zero."""
         nodes = len(m.U)
         for n in range(nodes):
             linearise(
@@ -287,74 +158,121 @@ def searching(predict: Any, linearise: Callable[..., None], backward: Callable[.
             )  # fmt: skip
 
     @njit(**COMPILE)
-    def start_policy(m: Any) -> None:
+    def begin_policy(m: SearchMpc) -> None:
+        """Gains around the reference where a flight begins; other lanes keep theirs."""
+        begins = m.fresh[0] > 0.5
         for n in range(len(m.U)):
             for i in range(m.gains.shape[1]):
-                m.kept[n, i] = m.gains[n, i]
+                m.gains_before[n, i] = m.gains[n, i]
         find_policy(m)
         for n in range(len(m.U)):
             for i in range(m.gains.shape[1]):
-                m.gains[n, i] = select(m.fresh[0] > 0.5, m.gains[n, i], m.kept[n, i])
+                m.gains[n, i] = select(begins, m.gains[n, i], m.gains_before[n, i])
 
     @njit(**COMPILE)
-    def improve(m: Any) -> None:
-        one = number(m.X[0, 0], 1.0)
+    def warm_start(m: SearchMpc, pushed: bool) -> None:
+        """The last plan, flown with its own feedback from the state that the drone is in."""
+        one = number(m.cost[1], 1.0)
+        if not every(m.fresh[0] < 0.5):
+            begin_policy(m)
+        m.share[0] = number(one, 0.0)
+        fly_trial(m, pushed)
+        m.open[0], m.cost[0] = one, m.cost[1] + one
+        take_trial(m)
+
+    @njit(**COMPILE)
+    def sweep(m: SearchMpc, stop_early: bool, pushed: bool) -> None:
+        """One policy, and the longest of its steps that lowers the cost."""
         find_policy(m)
-        m.needs_sweep[0] = one
-        m.share[0] = one
+        m.open[0] = number(m.cost[1], 1.0)
+        m.share[0] = number(m.cost[1], 1.0)
         for _ in range(TRIALS):
-            roll(m)
-            adopt(m)
-            m.share[0] = m.share[0] * SMALLER
-            if every(m.needs_sweep[0] < 0.5):
+            fly_trial(m, pushed)
+            take_trial(m)
+            m.share[0] = m.share[0] * SHORTER
+            if stop_early and every(m.open[0] < 0.5):
                 break
 
-    @njit(**COMPILE)
-    def adopt(m: Any) -> None:
-        zero = number(m.X[0, 0], 0.0)
-        better = select(m.cost[1] < m.cost[0], m.needs_sweep[0], zero) > 0.5
-        for n in range(len(m.U)):
-            for i in range(10):
-                m.X[n, i] = select(better, m.states[n, i], m.X[n, i])
-            for a in range(4):
-                m.U[n, a] = select(better, m.inputs[n, a], m.U[n, a])
-        for i in range(10):
-            m.X[len(m.U), i] = select(better, m.states[len(m.U), i], m.X[len(m.U), i])
-        m.cost[0] = select(better, m.cost[1], m.cost[0])
-        m.needs_sweep[0] = select(better, zero, m.needs_sweep[0])
+    @njit(**INLINE)
+    def correct(s: Settings, m: SearchMpc, p: ControlLoop) -> None:
+        """Observe, and correct targets, inputs and bounds for what was learnt and for drag."""
+        observe(s, p)
+        push_of(p, p.drag, model_has_drag, p.push)
+        for n in range(len(m.reference)):
+            thrust = m.reference[n, 10]
+            correct_target(p, m.reference[n], model_has_drag, m.push[n])
+            change = m.reference[n, 10] - thrust
+            if n == 0:
+                m.inputs_now[0] = m.inputs_now[0] + change
+            if n < len(m.U):
+                m.mean_inputs[n, 0] = m.mean_inputs[n, 0] + change
+                for j in range(m.inputs_in_parts.shape[1]):
+                    m.inputs_in_parts[n, j, 0] = m.inputs_in_parts[n, j, 0] + change
+        if s.offset_free:
+            plan_bounds(s, p, m.low, m.high)
 
-    @njit(**COMPILE)
-    def control(s: Settings, m: Any, p: ControlLoop) -> None:
-        predict(s, m.constants, p)
-        zero = number(m.X[0, 0], 0.0)
-        for i in range(10):
-            m.states[0, i] = p.seen[i]
+    @njit(**INLINE)
+    def add_reference(m: SearchMpc) -> None:
+        """Offsets become the plan."""
         for n in range(len(m.X)):
+            for i in range(10):
+                m.X[n, i] = m.X[n, i] + m.reference[n, i]
             make_unit(m.X[n])
-        if not every(m.fresh[0] < 0.5):
-            start_policy(m)
-        m.share[0] = zero
-        roll(m)
-        m.cost[0] = m.cost[1] + 1.0
-        m.needs_sweep[0] = number(zero, 1.0)
-        adopt(m)
-        for _ in range(s.sweeps):
-            improve(m)
+        for n in range(len(m.U)):
+            for a in range(4):
+                m.reference[n, 10 + a] = m.mean_inputs[n, a]
+                m.U[n, a] = m.U[n, a] + m.reference[n, 10 + a]
+                m.U[n, a] = clipped(m.U[n, a], m.low[a], m.high[a])
+
+    @njit(**INLINE)
+    def leave_reference(m: SearchMpc) -> None:
+        """The plan becomes offsets."""
+        for n in range(len(m.X)):
+            for i in range(10):
+                m.X[n, i] = m.X[n, i] - m.reference[n, i]
+        for n in range(len(m.U)):
+            for a in range(4):
+                m.U[n, a] = m.U[n, a] - m.reference[n, 10 + a]
+
+    @njit(**INLINE)
+    def command_of(s: Settings, m: SearchMpc) -> None:
+        """What is commanded for a control period: the reference's inputs over it, and the mean of the plan's offsets."""
+        span, begin = number(m.cost[1], s.period), number(m.cost[1], 0.0)
         for a in range(4):
-            m.step[a] = m.now[a]
-        begin = number(m.X[0, 0], 0.0)
-        span = number(m.X[0, 0], s.period)
+            m.acting[a] = m.inputs_now[a]
         for n in range(len(m.U)):
             end = begin + m.spacing[0]
             end = select(end < span, end, span)
             for a in range(4):
-                m.step[a] += (end - begin) / span * (m.U[n, a] - m.reference[n, 10 + a])
+                m.acting[a] = m.acting[a] + (end - begin) / span * m.U[n, a]
             begin = end
         for a in range(4):
-            m.step[a] = select(m.step[a] < m.low[a], m.low[a], select(m.step[a] > m.high[a], m.high[a], m.step[a]))
-        issue(p, m.step)
+            m.acting[a] = clipped(m.acting[a], m.low[a], m.high[a])
+
+    @njit(**INLINE)
+    def control(s: Settings, m: SearchMpc, p: ControlLoop) -> None:
+        """The whole step."""
+        if s.corrected:
+            correct(s, m, p)
+        predict(s, m.constants, p)
+        add_reference(m)
+        for i in range(10):
+            m.states[0, i] = p.seen[i]
+        warm_start(m, s.corrected)
+        for _ in range(s.sweeps):
+            sweep(m, s.stop_early, s.corrected)
+        leave_reference(m)
+        command_of(s, m)
+        issue(s, p, m.acting)
 
     return control
 
 
-control_searching = searching(predict, linearise, backward, compiled_dynamics("node_map"))
+@njit(**INLINE)
+def clipped(value: Any, low: Any, high: Any) -> Any:
+    """A number within bounds, lane by lane."""
+    value = select(value < low, low, value)
+    return select(value > high, high, value)
+
+
+control_search = search(predict, linearise, backward, compiled_dynamics("node_map"))

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from hotlap.race.controller_kind import Solver, law_of
 from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.race.observer import ObserverSettings
 from hotlap.race.quadrotor import Quadrotor
@@ -113,6 +114,8 @@ class ControllerSettings(Described):
     """[s] of the control loop."""
     sweeps: int = Field(default=2, ge=1, le=10)
     """box-constrained Riccati sweeps per control step."""
+    solver: Solver | None = None
+    """how an MPC solves its problem. None: "real_time" where that converges, else "line_search"."""
     thrust: tuple[NotNegative, Positive] = (LEAST_THRUST, 20.0)
     """[m/s^2] least and largest collective thrust per mass (in a race that does not say it: up to what the model's rotors give)."""
     rates: tuple[Positive, Positive, Positive] = (10.0, 10.0, 3.0)
@@ -162,9 +165,56 @@ class ControllerSettings(Described):
                 raise ValueError(f"low[{i}]: {low:g} is not below high[{i}] = {high:g}")
             if not low <= value <= high:
                 raise ValueError(f"default[{i}]: {value:g} is not within its bounds [{low:g}, {high:g}]")
+        self._check_horizon()
         return self
 
+    def _check_horizon(self) -> None:
+        """Refuse a horizon on which the controller would not follow its reference, even with a vehicle equal to its model."""
+        if not self._horizon_index:
+            return
+        if self.solver is Solver.REAL_TIME and not self.converges_in_real_time:
+            raise ValueError(f'solver: "real_time" converges with {REAL_TIME_RANGE}; "line_search" does without')
+        room = SPACING_AND_PERIODS - 2 * self.period
+        if self.widest_spacing > room + ALMOST:
+            most = room * self.nodes / self.horizon_unit
+            reason = f"{self.nodes} nodes over a horizon of up to {self.longest_horizon:g} s would lie {self.widest_spacing:.3g} s apart"
+            cure = f"{math.ceil(self.longest_horizon / room - ALMOST)} nodes, or high[{self._horizon_index}] = {most:.3g}"
+            raise ValueError(f"nodes: {reason}, and more than {room:.3g} s are not followed with a period of {self.period:g} s: set {cure}")
 
+    @property
+    def _horizon_index(self) -> int:
+        """Place of the horizon among the parameters; 0 for a controller without one."""
+        names = TUNABLE[self.kind].names
+        return names.index("horizon") if "horizon" in names else 0
+
+    @property
+    def longest_horizon(self) -> float:
+        """[s] The longest horizon that may be tuned; 0 for a controller without one."""
+        return self.high[self._horizon_index] * self.horizon_unit if self._horizon_index else 0.0
+
+    @property
+    def widest_spacing(self) -> float:
+        """[s] between the nodes of that."""
+        return self.longest_horizon / self.nodes
+
+    @property
+    def converges_in_real_time(self) -> bool:
+        """Whether one linearisation a control step is known to suffice over all horizons that may be tuned."""
+        quick = self.nodes <= 20 and self.sweeps >= 2 and self.period <= 0.01
+        return quick and self.longest_horizon <= 3.5 + ALMOST and self.widest_spacing <= 0.175 + ALMOST
+
+    @property
+    def law(self) -> str:
+        """The control law: the kind, and how it solves its problem."""
+        if not self._horizon_index:
+            return law_of(self.kind)
+        usual = Solver.REAL_TIME if self.converges_in_real_time else Solver.LINE_SEARCH
+        return law_of(self.kind, self.solver or usual)
+
+
+REAL_TIME_RANGE = "up to 20 nodes, at least 2 sweeps, a period of up to 0.01 s and a horizon of up to 3.5 s, 0.175 s a node"
+SPACING_AND_PERIODS = 0.5  # s: the widest spacing of nodes, and two control periods, fit into it
+ALMOST = 1e-9
 PLANT_STEP = 0.0025  # s, of the built-in plant
 
 
