@@ -99,6 +99,8 @@ class SegmentSwitch(StrEnum):
 
 USUAL_SHARE = 0.85  # of the rotor thrust, for a plan of which nothing is said: docs/planning.md
 LEAST_THRUST = 0.1  # m/s^2, of a collective command
+USUAL_NODES, USUAL_PERIOD = 20, 0.01  # s
+MOST_NODES = 100
 
 
 class ControllerSettings(Described):
@@ -108,14 +110,14 @@ class ControllerSettings(Described):
 
     kind: ControllerKind = ControllerKind.MPC
     """which controller flies."""
-    nodes: int = Field(default=20, ge=2, le=100)
+    nodes: int = Field(default=USUAL_NODES, ge=2, le=MOST_NODES)
     """N, intervals of the horizon."""
-    period: float = Field(default=0.01, gt=0, le=0.1)
+    period: float = Field(default=USUAL_PERIOD, gt=0, le=0.1)
     """[s] of the control loop."""
     sweeps: int = Field(default=2, ge=1, le=10)
     """box-constrained Riccati sweeps per control step."""
     solver: Solver | None = None
-    """how an MPC solves its problem. None: "real_time" where that converges, else "line_search"."""
+    """how an MPC solves its problem. None: "real_time" for the usual nodes and period, two sweeps or more and up to 3.5 s, else "line_search"."""
     thrust: tuple[NotNegative, Positive] = (LEAST_THRUST, 20.0)
     """[m/s^2] least and largest collective thrust per mass (in a race that does not say it: up to what the model's rotors give)."""
     rates: tuple[Positive, Positive, Positive] = (10.0, 10.0, 3.0)
@@ -174,12 +176,14 @@ class ControllerSettings(Described):
             return
         if self.solver is Solver.REAL_TIME and not self.converges_in_real_time:
             raise ValueError(f'solver: "real_time" converges with {REAL_TIME_RANGE}; "line_search" does without')
-        room = SPACING_AND_PERIODS - 2 * self.period
-        if self.widest_spacing > room + ALMOST:
-            most = room * self.nodes / self.horizon_unit
-            reason = f"{self.nodes} nodes over a horizon of up to {self.longest_horizon:g} s would lie {self.widest_spacing:.3g} s apart"
-            cure = f"{math.ceil(self.longest_horizon / room - ALMOST)} nodes, or high[{self._horizon_index}] = {most:.3g}"
-            raise ValueError(f"nodes: {reason}, and more than {room:.3g} s are not followed with a period of {self.period:g} s: set {cure}")
+        if self.period > LONGEST_PERIOD + ALMOST:
+            raise ValueError(f"period: an MPC follows with up to {LONGEST_PERIOD:g} s, not {self.period:g} s; the geometric controller takes more")
+        if self.widest_spacing > WIDEST_SPACING + ALMOST:
+            apart = f"{self.nodes} nodes over a horizon of up to {self.longest_horizon:g} s lie {self.widest_spacing:.3g} s apart"
+            nodes, high = math.ceil(self.longest_horizon / WIDEST_SPACING - ALMOST), WIDEST_SPACING * self.nodes / self.horizon_unit
+            cure = f"{nodes} nodes" if nodes <= MOST_NODES else ""
+            cure += f"{', or ' if cure else ''}high[{self._horizon_index}] = {high:.3g}"
+            raise ValueError(f"nodes: {apart}, and an MPC follows with up to {WIDEST_SPACING:g} s: set {cure}")
 
     @property
     def _horizon_index(self) -> int:
@@ -200,7 +204,7 @@ class ControllerSettings(Described):
     @property
     def converges_in_real_time(self) -> bool:
         """Whether one linearisation a control step is known to suffice over all horizons that may be tuned."""
-        quick = self.nodes <= 20 and self.sweeps >= 2 and self.period <= 0.01
+        quick = self.nodes <= USUAL_NODES and self.sweeps >= 2 and self.period <= USUAL_PERIOD
         return quick and self.longest_horizon <= 3.5 + ALMOST and self.widest_spacing <= 0.175 + ALMOST
 
     @property
@@ -208,12 +212,12 @@ class ControllerSettings(Described):
         """The control law: the kind, and how it solves its problem."""
         if not self._horizon_index:
             return law_of(self.kind)
-        usual = Solver.REAL_TIME if self.converges_in_real_time else Solver.LINE_SEARCH
-        return law_of(self.kind, self.solver or usual)
+        usual = self.converges_in_real_time and self.nodes == USUAL_NODES and self.period == USUAL_PERIOD
+        return law_of(self.kind, self.solver or (Solver.REAL_TIME if usual else Solver.LINE_SEARCH))
 
 
 REAL_TIME_RANGE = "up to 20 nodes, at least 2 sweeps, a period of up to 0.01 s and a horizon of up to 3.5 s, 0.175 s a node"
-SPACING_AND_PERIODS = 0.5  # s: the widest spacing of nodes, and two control periods, fit into it
+WIDEST_SPACING, LONGEST_PERIOD = 0.25, 0.05  # s, with which an MPC follows a reference that its model can fly to 0.03 m: docs/controller.md
 ALMOST = 1e-9
 PLANT_STEP = 0.0025  # s, of the built-in plant
 
