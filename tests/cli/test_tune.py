@@ -88,7 +88,7 @@ def test_json_is_one_document_with_the_keys_that_are_relied_on(hotlap):
 def test_a_goal_that_is_not_confirmed_is_exit_1_and_the_best_is_kept(hotlap, here):
     ran = hotlap(*HARD, "--out", "mine")
     assert ran.code == 1
-    assert ran.out.startswith("straight: mean_error<0.01 NOT confirmed in 30 flights; the best so far is kept\n")
+    assert ran.out.startswith("straight: mean_error<0.01 NOT confirmed in 30 flights; the most reliable of what was found is kept\n")
     with Study.read(here / "mine") as study:
         assert study.result is not None
         best = study.result.best

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from hotlap.core.seeds import FLIGHTS_A_STREAM, LARGEST_RUN_SEED, Stream, flight_seeds
+from hotlap.core.seeds import FLIGHTS_A_STREAM, LARGEST_RUN_SEED, SELECTIONS_A_RUN, Stream, flight_seeds
 
 
 def test_no_two_flights_share_a_seed():
@@ -14,10 +14,13 @@ def test_no_two_flights_share_a_seed():
     assert len(np.unique(seeds)) == 5 * len(Stream) * 2000
 
 
+def last_of(stream: Stream) -> int:
+    return (SELECTIONS_A_RUN if stream is Stream.SELECTION else FLIGHTS_A_STREAM) - 1
+
+
 def test_streams_do_not_run_into_each_other():
-    ends = [
-        (flight_seeds(run, stream, 0, 1)[0], flight_seeds(run, stream, FLIGHTS_A_STREAM - 1, 1)[0]) for run in (0, 1) for stream in Stream
-    ]
+    runs = (0, 1, LARGEST_RUN_SEED - 1, LARGEST_RUN_SEED)
+    ends = sorted((flight_seeds(run, each, 0, 1)[0], flight_seeds(run, each, last_of(each), 1)[0]) for run in runs for each in Stream)
     assert all(last < first for (_, last), (first, _) in pairwise(ends))
 
 
@@ -27,5 +30,5 @@ def test_a_seed_depends_on_the_number_alone_not_on_the_batch():
 
 
 def test_the_largest_seed_is_exact_in_json():
-    assert flight_seeds(LARGEST_RUN_SEED, Stream.DEMONSTRATION, FLIGHTS_A_STREAM - 1, 1)[0] < 2**53
+    assert all(flight_seeds(LARGEST_RUN_SEED, stream, last_of(stream), 1)[0] < 2**53 for stream in Stream)
     assert flight_seeds(0, Stream.SEARCH, 0, 3).tolist() == [0, 1, 2]

@@ -41,6 +41,7 @@ def test_every_race_loads_and_its_plan_leaves_the_vehicle_some_thrust(name):
     assert race.provenance
     assert race.planning_model.max_acceleration < race.vehicle.max_acceleration * 1.0001
     assert race.planning_model.max_acceleration < race.controller.thrust[1]
+    assert not race.planning.free, "its plan is fixed, so that results can be compared"
     assert all(plan <= limit for plan, limit in zip(race.planning_model.rate_limit, race.controller.rates, strict=True))
 
 

@@ -91,13 +91,14 @@ def play(tuner: tuners.Tuner, flights: int, noise: np.random.Generator) -> np.nd
 
 
 @pytest.mark.parametrize("before", [3, 30, 205])
-def test_saved_and_restored_it_goes_on_with_its_gates(before):
-    kept, flown = begin("gate_gp:one_generation"), SPACE.from_unit(np.random.default_rng(3).random((before, SEGMENTS, 3)))
+@pytest.mark.parametrize("name", ["gate_gp:default", "gate_gp:one_generation"])
+def test_saved_and_restored_it_goes_on_with_its_gates(name, before):
+    kept, flown = begin(name), SPACE.from_unit(np.random.default_rng(3).random((before, SEGMENTS, 3)))
     kept.tell(flown, fly(flown, np.random.default_rng(4), unreached=True))
     play(kept, 3, np.random.default_rng(0))
     saved = json.dumps(kept.state(), allow_nan=False)
     assert before < 30 or "null" in saved, "some gates were not reached"
-    resumed = begin("gate_gp:one_generation", seed=9)
+    resumed = begin(name, seed=9)
     resumed.restore(json.loads(saved))
     np.testing.assert_array_equal(play(resumed, 15, np.random.default_rng(1)), play(kept, 15, np.random.default_rng(1)))
     assert json.dumps(resumed.state()) == json.dumps(kept.state())

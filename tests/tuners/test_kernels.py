@@ -6,7 +6,6 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process import kernels as theirs
 
 from hotlap.tuners.bayesian import PRESETS
-from hotlap.tuners.surrogates import kernels
 from hotlap.tuners.surrogates.kernels import (
     KERNELS,
     Matern,
@@ -149,12 +148,3 @@ def test_the_process_predicts_the_signal_and_not_the_noise(name):
 
 def test_there_is_a_kernel_for_every_preset_and_a_preset_for_every_kernel():
     assert {settings.family.value for settings in PRESETS.values()} == set(KERNELS)
-
-
-def test_linear_algebra_keeps_to_one_thread_and_is_given_back():
-    controller = kernels._libraries()
-    before = [library.num_threads for library in controller.lib_controllers]
-    with kernels.one_thread():
-        blas = [library for library in controller.lib_controllers if library.user_api == "blas"]
-        assert [library.num_threads for library in blas] == [1] * len(blas) != []
-    assert [library.num_threads for library in controller.lib_controllers] == before

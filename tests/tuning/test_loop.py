@@ -15,7 +15,7 @@ from hotlap import tuners
 from hotlap.core.errors import InputError
 from hotlap.core.ledger import Ledger
 from hotlap.core.records import Scores
-from hotlap.core.seeds import FLIGHTS_A_STREAM, Stream, flight_seeds
+from hotlap.core.seeds import FLIGHTS_A_STREAM, FORMER, Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.study.increments import increment
 from hotlap.tuners import Tuner
@@ -65,7 +65,7 @@ class ScriptedObjective(Objective):
         self.completions = list(completions)
 
     def fly(self, parameters, seeds) -> Scores:  # noqa: ARG002  it returns what it was told to
-        completion, again = np.zeros(len(seeds)), seeds // FLIGHTS_A_STREAM % len(Stream) == Stream.CONFIRMATION
+        completion, again = np.zeros(len(seeds)), seeds // FLIGHTS_A_STREAM % FORMER == Stream.CONFIRMATION
         for k in range(len(seeds)):
             if not (again[k] and k and again[k - 1] and completion[k - 1] < 1):
                 completion[k] = self.completions.pop(0)

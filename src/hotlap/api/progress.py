@@ -21,12 +21,14 @@ class Progress(Protocol):
         """Something that takes its time, as long as the context lasts."""
         ...
 
-    def flights(self, budget: int, flown: int) -> AbstractContextManager[Callable[[Batch], None]]:
+    def flights(self, budget: int, flown: int, seconds: float = 0.0, spent: float = 0.0) -> AbstractContextManager[Callable[[Batch], None]]:
         """The search of a tuning.
 
         Args:
             budget: flights at most.
             flown: flights before it went on.
+            seconds: of wall time at most; 0: flights are counted, not time.
+            spent: [s] of them before it went on.
 
         Returns:
             A context that gives the function to be called after each batch.
@@ -57,7 +59,13 @@ class Quiet:
         """Nothing."""
         return nullcontext()
 
-    def flights(self, budget: int, flown: int) -> AbstractContextManager[Callable[[Batch], None]]:  # noqa: ARG002
+    def flights(
+        self,
+        budget: int,  # noqa: ARG002
+        flown: int,  # noqa: ARG002
+        seconds: float = 0.0,  # noqa: ARG002
+        spent: float = 0.0,  # noqa: ARG002
+    ) -> AbstractContextManager[Callable[[Batch], None]]:
         """Nothing."""
         return nullcontext(lambda _: None)
 

@@ -34,6 +34,8 @@ def tune(
     validation: int = 200,
     reliability: float = RELIABILITY,
     batch: int = 8,
+    selection: int = 2000,
+    minutes: float = 0.0,
     hold: str = "",
     progress: Progress | None = None,
 ) -> TuningResult:
@@ -43,7 +45,7 @@ def tune(
         race: a built-in race (hotlap races) or a TOML file; in Python also a `Race`.
         tuner: NAME, NAME:PRESET or my_module.MyTuner.
         goal: when to stop.
-        budget: flights at most, re-flights included.
+        budget: flights at most, re-flights included; with minutes, no limit unless it is another number than 200.
         seed: of the search and of the noise.
         out: folder of the study, begun or gone on with; None: runs/RACE-DATE, new.
         reference: read this CSV instead of planning.
@@ -52,11 +54,13 @@ def tune(
         controller: which one flies; None: the race's.
         on: where to fly.
         randomise: fly vehicles whose parameters differ from the race's by up to this share.
-        samples: flights of each candidate, all to succeed; 0: 1, randomised 4.
+        samples: flights of each candidate, all to succeed; 0: 1, randomised 4, with minutes 8.
         confirm: re-flights that a candidate must pass (the paper's: 4).
         validation: flights of the result with fresh noise, 0 for none.
         reliability: least share of these to succeed, 0 for any.
-        batch: most candidates to fly at once, for tuners that can.
+        batch: most candidates to fly at once, for tuners that can; with minutes 32, unless it is another number than 8.
+        selection: flights by which the result is chosen where none was confirmed, 0: the best by its scores.
+        minutes: of wall time for search, choice and validation, in which populations are flown; 0: flights are counted, not time.
         hold: further conditions to fly the result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hotlap.cli.parser import Parser, fraction, one_of, path, whole
+from hotlap.cli.parser import Parser, duration, fraction, one_of, path, whole
 from hotlap.exporters.formats import FORMATS
 from hotlap.first_guess.names import NAMES as GUESSES
 from hotlap.race.controller_kind import ControllerKind
@@ -56,7 +56,7 @@ SHOWN: Mapping[str, Shown] = {
     "hold": Shown("LIST"),
     "reliability": Shown("R"),
 }
-METAVARS: Mapping[Callable[[str], Any], str] = {path: "FILE", whole: "N", fraction: "R", str: "NAME"}
+METAVARS: Mapping[Callable[[str], Any], str] = {path: "FILE", whole: "N", fraction: "R", duration: "M", str: "NAME"}
 
 
 def add_call(parser: Parser, call: Callable[..., Any], **shown: Shown) -> None:
@@ -112,5 +112,5 @@ def _kind(parameter: inspect.Parameter) -> Callable[[str], Any]:
     if isinstance(parameter.default, int):
         return whole
     if isinstance(parameter.default, float):
-        return fraction
+        return duration if parameter.name == "minutes" else fraction
     return path if "Path" in str(parameter.annotation) and "Race" not in str(parameter.annotation) else str

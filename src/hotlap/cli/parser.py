@@ -163,6 +163,17 @@ def fraction(text: str) -> float:
     return value
 
 
+def duration(text: str) -> float:
+    """A time that is not negative."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"must be a time of 0 or more, not '{text}'")
+    return value
+
+
 def path(text: str) -> Path:
     """A path, which need not exist."""
     if not text.strip() or "\0" in text:

@@ -25,29 +25,33 @@ INTERVAL = 5.0  # s between lines
 
 
 @contextmanager
-def follow(budget: int, flown: int) -> Iterator[Callable[[Batch], None]]:
+def follow(budget: int, flown: int, seconds: float = 0.0, spent: float = 0.0) -> Iterator[Callable[[Batch], None]]:
     """Show the batches of a tuning.
 
     Args:
         budget: flights at most.
         flown: flights before this run of the program.
+        seconds: of wall time at most; 0: flights are counted, not time.
+        spent: [s] of them before this run of the program.
 
     Yields:
         What to call after each batch.
     """
     console = Plain(stderr=True)
     if not console.is_terminal:
-        yield Lines(budget, flown)
+        yield Lines(budget, flown, seconds=seconds, spent=spent)
         return
     state = TextColumn("{task.fields[state]}", markup=False)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("flights", total=budget, completed=flown, state="")
+        total, done, unit = (round(seconds), round(spent), "seconds") if seconds else (budget, flown, "flights")
+        task, begun = progress.add_task(unit, total=total, completed=done, state=""), time.monotonic()
         rate = Rate(flown)
 
         def watch(batch: Batch) -> None:
             """Move the bar, and report above it validations that failed."""
-            progress.update(task, completed=batch.flights, state=f"{describe(batch.best)}, {rate(batch.flights)}")
+            reached = min(total, round(spent + time.monotonic() - begun)) if seconds else batch.flights
+            progress.update(task, completed=reached, state=f"{describe(batch.best)}, {rate(batch.flights)}")
             for validation in batch.failed_validations:
                 progress.console.print(describe_failure(validation), markup=False, highlight=False)
 
@@ -156,11 +160,16 @@ class Lines:
         budget: flights at most.
         flown: flights so far.
         clock: [s]
+        seconds: of wall time at most; 0: flights are counted, not time.
+        spent: [s] of them so far.
     """
 
-    def __init__(self, budget: int, flown: int, clock: Callable[[], float] = time.monotonic) -> None:
-        self._budget, self._clock = budget, clock
+    def __init__(
+        self, budget: int, flown: int, clock: Callable[[], float] = time.monotonic, seconds: float = 0.0, spent: float = 0.0
+    ) -> None:
+        self._budget, self._clock, self._seconds = budget, clock, seconds
         self._rate, self._last = Rate(flown, clock), clock()
+        self._begun = self._last - spent
 
     def __call__(self, batch: Batch) -> None:
         """Say how it stands, if it is time."""
@@ -168,7 +177,13 @@ class Lines:
             note(describe_failure(validation))
         if batch.done or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
-            note(f"{batch.flights} of {self._budget} flights, best so far: {describe(batch.best)}, {self._rate(batch.flights)}")
+            note(f"{self._reached(batch)}, best so far: {describe(batch.best)}, {self._rate(batch.flights)}")
+
+    def _reached(self, batch: Batch) -> str:
+        """How far it is, of what there is."""
+        if not self._seconds:
+            return f"{batch.flights} of {self._budget} flights"
+        return f"{self._last - self._begun:.0f} of {self._seconds:.0f} s, {batch.flights} flights"
 
 
 def describe(best: Candidate) -> str:

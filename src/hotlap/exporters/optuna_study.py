@@ -84,9 +84,10 @@ def _attributes(flown: Ledger, i: int) -> dict[str, Any]:
 
 
 def _reflights(ledger: Ledger) -> dict[bytes, dict[str, Any]]:
-    """How the re-flights and the validation of the same parameters went, by their bytes."""
+    """How the re-flights, the selection and the validation of the same parameters went, by their bytes."""
     found: dict[bytes, dict[str, Any]] = {}
-    for stream, name in ((Stream.CONFIRMATION, "reflights"), (Stream.VALIDATION, "validation_flights")):
+    names = {Stream.CONFIRMATION: "reflights", Stream.SELECTION: "selection_flights", Stream.VALIDATION: "validation_flights"}
+    for stream, name in names.items():
         flights = ledger.of(stream)
         for parameters, completion in zip(flights.parameters, flights.completion.tolist(), strict=True):
             entry = found.setdefault(parameters.tobytes(), {})

@@ -19,7 +19,7 @@ from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.kernel import fly_queue
 from hotlap.flight.line_search import LONGEST_PART
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.observer import drag_free, known_drag, largest_thrust, observer_numbers
+from hotlap.flight.observer import drag_free, known_drag, observer_numbers
 from hotlap.flight.plant import autopilot_numbers, model_numbers, vehicle_numbers
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import switch_number
@@ -89,7 +89,7 @@ def settings_of(scenario: Scenario) -> Settings:
     """The settings that all flights over a scenario share, as plain numbers."""
     race = scenario.race
     controller, noise, control_model = race.controller, race.noise, race.control_model
-    lead = race.prediction
+    lead, (least, most) = race.prediction, scenario.thrust_limits
     settings = Settings(
         nodes=controller.nodes,
         sweeps=controller.sweeps,
@@ -122,11 +122,11 @@ def settings_of(scenario: Scenario) -> Settings:
         sagging=False,
         duration=scenario.reference.duration,
         offset_free=scenario.offset_free,
-        corrected=scenario.offset_free or controller.reference_drag,
+        corrected=scenario.corrects_target,
         acted_periods=0,
         acted_rest=0.0,
-        least_thrust=controller.thrust[0],
-        largest_thrust=largest_thrust(race),
+        least_thrust=least,
+        largest_thrust=most,
         thrust_limit=controller.thrust[1],
     )
     return acting(predicting(settings, lead), control_model.delay)
@@ -166,8 +166,7 @@ def prepare(
     log_rows[list(log)] = np.arange(len(log))
     last = reference.gate_times[-1] + (race.judge.window[1] if len(log) else 0.0) + AFTERWARDS
     thrust, tilt, yaw = controller.input_weights
-    corrected = scenario.offset_free or controller.reference_drag
-    table = drag_free(reference, race.control_model.gravity) if corrected else reference.table
+    table = drag_free(reference, race.control_model.gravity) if scenario.corrects_target else reference.table
     model = model_numbers(race.control_model)
     job = Job(
         table=np.ascontiguousarray(table, dtype=numbers.dtype),

@@ -1,4 +1,4 @@
-"""What `line_search` aims at: the reference over the horizon of a lane, its inputs as control periods hold them, and the last plan moved on.
+"""What `line_search` aims at: the reference over the horizon of a lane, its inputs as control periods hold them, and the last plan moved.
 
 Between nodes that lie far apart the reference's inputs go on changing, and at its rate a controller can follow them. So a node's input is
 an offset from them that is held, and the model is flown in parts of a node with the reference's inputs of that part. Commands are held

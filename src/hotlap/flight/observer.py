@@ -1,9 +1,9 @@
 """The observer of offset-free control: what the controller learns in flight about a vehicle that is not its model.
 
 A controller without integral action keeps an error wherever its model is wrong. Offset-free MPC adds what the model leaves out as
-states that do not change by themselves, estimates them with an observer, and corrects model and target for them (Muske, Badgwell, J. Process
-Control 12, 2002; Pannocchia, Rawlings, AIChE J. 49, 2003; Maeder, Borrelli, Morari, Automatica 45, 2009). Here these are k, the thrust
-effectiveness, and d, an acceleration (world); velocity v and body z from the measured state tell about them:
+states that do not change by themselves, estimates them with an observer, and corrects model and target for them (Muske, Badgwell,
+J. Process Control 12, 2002; Pannocchia, Rawlings, AIChE J. 49, 2003; Maeder, Borrelli, Morari, Automatica 45, 2009). Here these are k,
+the thrust effectiveness, and d, an acceleration (world); velocity v and body z from the measured state tell about them:
 
     v- = v + h (k T z - g e3 - drag + d),   e = v_measured - v-
     v  = v- + (1 - r^2) e,   d += (1 - r_d)^2 / h e,   k += (1 - r_k)^2 / h (z . e) T / (T^2 + T_0^2),   r = exp(-bandwidth h)
@@ -49,7 +49,7 @@ EFFECTIVENESS_LIMITS = (0.6, 1.4)
 LARGEST_DISTURBANCE = 12.0  # m/s^2, along each axis
 FULL = 0.97  # share of the rotors' thrust from which on k is not learnt
 EASY = 2.0  # m/s^2, T_0: below it the thrust says little about k; a target that is weaker has no direction
-COMMANDED = 0.9  # share of the rotors' thrust that may be commanded: all of it would leave no torque
+LONGEST_STEP = 2.5  # control periods, over which an observation counts
 
 
 def observer_numbers(race: Race) -> Floats:
@@ -72,18 +72,13 @@ def known_drag(race: Race, model_numbers: Floats) -> Floats:
     return np.where([name in ("gravity", "mass") for name in names], model_numbers, 0.0)
 
 
-def largest_thrust(race: Race) -> float:
-    """[m/s^2] The largest thrust that may be commanded: the controller's, or more where the rotors have it, for an effectiveness below 1."""
-    return max(race.controller.thrust[1], COMMANDED * race.control_model.max_acceleration)
-
-
 def drag_free(reference: Reference, gravity: float) -> Floats:
     """The reference's table, shape (rows, 14), with thrust and attitude as a vehicle without drag needs them for its accelerations.
 
     Attitudes are turned by the least tilt, and kept where the thrust is weak or would turn over.
     """
     table = reference.table
-    wanted = np.gradient(table[:, 7:10], reference.period, axis=0) + [0.0, 0.0, gravity]
+    wanted = np.gradient(table[:, 7:10], reference.period, axis=0) + np.array([0.0, 0.0, gravity])
     size = np.linalg.norm(wanted, axis=1, keepdims=True)
     axis, z = wanted / np.maximum(size, EASY), thrust_axis(table[:, 3:7])
     along = np.einsum("ij,ij->i", axis, z)[:, None]
@@ -131,7 +126,7 @@ def _within(value: Number, low: float, high: float) -> Number:
 
 
 def target_stage() -> Program:
-    """(target, acceleration) -> target with the thrust vector T z - acceleration, by the least tilt; kept where that is weak or turns over."""
+    """(target, acceleration) -> target with thrust vector T z - acceleration, by the least tilt; kept where it is weak or turns over."""
     tape = Tape()
     target, acceleration = tape.array(0, 14), tape.array(1, 3)
     q, z = target[3:7], body_z(target[3:7])
@@ -230,3 +225,17 @@ def begin_observer(p: Any, numbers: Any, drag: Any, k: int) -> None:
         p.observer[i, k] = numbers[i]
     for i in range(len(drag)):
         p.known_drag[i, k] = drag[i]
+
+
+def begin_with(p: Any, start: Floats, gravity: float) -> None:
+    """Let the estimates of the first lane begin with known values k and d, shape (4,), for a vehicle that has been hovering with them."""
+    p.estimate[EFFECTIVENESS:VELOCITY, 0] = start
+    p.history[:, 0, 0] = gravity / start[EFFECTIVENESS]
+    p.estimate[ROOT, 0] = math.sqrt(gravity / start[EFFECTIVENESS])
+
+
+def follow_clock(p: Any, elapsed: float, period: float) -> None:
+    """Let the first lane observe over the time [s] that has passed; after a pause it begins with the velocity that it sees."""
+    p.observer[PERIOD, 0] = elapsed
+    if elapsed > LONGEST_STEP * period:
+        p.estimate[FRESH, 0] = 1

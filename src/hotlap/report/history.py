@@ -102,14 +102,14 @@ class Change:
 
 
 def recount(ledger: Ledger, goal: Goal, cost_name: str) -> History:
-    """The search flights and re-flights of a ledger, without the validation.
+    """The search flights and re-flights of a ledger, without selection and validation.
 
     Args:
         ledger: all flights of the study.
         goal: that decides which flights failed.
         cost_name: what the cost measures, with its unit.
     """
-    rows = np.flatnonzero(ledger.streams != int(Stream.VALIDATION))
+    rows = np.flatnonzero(np.isin(ledger.streams, (Stream.SEARCH, Stream.CONFIRMATION)))
     return History(
         numbers=ledger.numbers[rows] + 1,
         cost=ledger.cost[rows],

@@ -27,9 +27,9 @@ Floats = NDArray[np.float64]
 FLIGHTS = len(AUTOTUNE_CURVE)
 RUNS = {
     "the paper's sampler, default weights": ("metropolis_hastings:paper", "default"),
-    "hotlap, default weights": ("gate_gp", "default"),
+    "hotlap, default weights": ("gate_gp:published", "default"),
     "the paper's sampler, the paper's first guess": ("metropolis_hastings:paper", "paper"),
-    "hotlap, learned first guess": ("gate_gp", "learned"),
+    "hotlap, learned first guess": ("gate_gp:published", "learned"),
 }
 
 

@@ -27,9 +27,9 @@ from hotlap.tuning.loop import TuningSettings
 from hotlap.tuning.scoring import Metric
 
 GIVEN = "given"  # name of a first guess that a program passed as numbers
-MAY_DIFFER = ("budget", "first_guess_name", "rival", "race.planning.dynamics")
-"""A study may be given a larger budget, and goes on with the rival that it has. Of a first guess the numbers are compared, and of a plan
-the reference, however they were found."""
+MAY_DIFFER = ("budget", "selection", "minutes", "first_guess_name", "rival", "race.planning.dynamics")
+"""A study may be given a larger budget, other flights to choose its result by, and other minutes, and goes on with the rival that it has.
+Of a first guess the numbers are compared, and of a plan the reference, however they were found."""
 FORMER: Mapping[str, Any] = {"lag_lead": 0.0, "offset_free": False, "reference_drag": False}
 """Keys of the controller that studies of earlier versions do not have, with the values by which those were flown."""
 
@@ -103,7 +103,7 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
     Raises:
         InputError: the race is none that this version knows.
     """
-    numbers = {field.name: plain[field.name] for field in fields(TuningSettings) if field.name != "goal"}
+    numbers = {field.name: plain.get(field.name, 0) for field in fields(TuningSettings) if field.name != "goal"}
     return Configuration(
         scenario=Scenario(_load_race(plain["race"]), reference, _load_segments(plain["segments"])),
         world=plain["world"],

@@ -19,12 +19,13 @@ class Result:
         tuner: name with preset.
         goal: as it was asked for.
         seed: of the run.
-        flights: re-flights included, validation not.
+        flights: re-flights included, selection and validation not.
         search_flights: without re-flights, up to the confirmed candidate.
         best: the parameters found, with the means over the flights that found and confirmed them.
         validation: of these parameters; None if none was asked for.
         validation_flights: of all validations, also of candidates before it whose validation failed.
         remark: of the tuner on its run, for example the number of flights below a safety limit; "" for most.
+        selection_flights: by which the parameters were chosen, where the search confirmed none.
         wall_time: [s] spent on the study, over all processes that worked on it.
     """
 
@@ -39,6 +40,7 @@ class Result:
     validation_flights: int
     wall_time: float
     remark: str = ""
+    selection_flights: int = 0
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON, in the keys of `hotlap tune --json`."""
@@ -53,6 +55,7 @@ class Result:
             "confirmed": self.best.confirmed,
             "validation": None if self.validation is None else _dump_validation(self.validation),
             "validation_flights": self.validation_flights,
+            "selection_flights": self.selection_flights,
             "lap_time": _finite(self.best.lap_time),
             "cost": _finite(self.best.cost),
             "wall_time": self.wall_time,

@@ -10,7 +10,7 @@ import json
 import platform
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from datetime import datetime
@@ -29,9 +29,11 @@ from hotlap.study.configuration import Configuration, first_difference, load_con
 from hotlap.study.database import FILE, Database
 from hotlap.study.increments import grow, increment
 from hotlap.study.result import Result
+from hotlap.study.tried_plan import TriedPlan
 from hotlap.tuners.tuner import remark_of
 from hotlap.tuning.loop import Batch, Tuning, tune
 from hotlap.tuning.objective import Objective
+from hotlap.tuning.timekeeper import Timekeeper
 
 RUNS = Path("runs")
 
@@ -44,7 +46,7 @@ CREATE TABLE flight (stream TEXT, number INTEGER, seed INTEGER, parameters BLOB,
 """
 _SELECT = """
 SELECT stream, number, seed, parameters, cost, completion, failed_segment, mean_error, max_error, lap_time, accepted
-FROM flight ORDER BY stream = 'VALIDATION', number
+FROM flight ORDER BY CASE stream WHEN 'SELECTION' THEN 1 WHEN 'VALIDATION' THEN 2 ELSE 0 END, number
 """
 _INSERT = "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 
@@ -84,8 +86,7 @@ class Study:
                 study._create(configuration)
             else:
                 study._continue(configuration)
-            if command and command != study.command:
-                study._enter("command", command)
+            study.keep_command(command)
             if hold:
                 study._enter("hold", hold)
         return study
@@ -147,6 +148,7 @@ class Study:
             best=tuning.best,
             validation=tuning.validation,
             validation_flights=tuning.validation_flights,
+            selection_flights=tuning.selection_flights,
             wall_time=self.wall_time,
             remark=remark_of(tuning.tuner),
         )
@@ -156,10 +158,25 @@ class Study:
         """The command that does the same again; "" where it was not kept."""
         return self._entry("command") or ""
 
+    def keep_command(self, command: str) -> None:
+        """Keep the command that does the same again; "" leaves that of before."""
+        if command and command != self.command:
+            self._enter("command", command)
+
     @property
     def hold(self) -> str:
         """Conditions that the result is to hold under, as they were asked for; "" where nobody asked."""
         return self._entry("hold") or ""
+
+    @property
+    def plans(self) -> list[TriedPlan]:
+        """The plans that were tried before this one was chosen, this one among them, in the order tried; empty where the race fixes it."""
+        return [TriedPlan.load(plain) for plain in json.loads(self._entry("plans") or "[]")]
+
+    def record_plans(self, plans: Sequence[TriedPlan]) -> None:
+        """Keep which plans were tried."""
+        with self._transaction():
+            self._enter("plans", json.dumps([plan.dump() for plan in plans], allow_nan=False))
 
     @property
     def openings(self) -> list[tuple[str, dict[str, str]]]:
@@ -168,7 +185,7 @@ class Study:
         return [(moment, json.loads(versions)) for moment, versions in rows]
 
     def flights(self) -> Ledger:
-        """All flights: search and confirmation in the order flown, then the validation."""
+        """All flights: search and confirmation in the order flown, then the selection, then the validation."""
         rows = self._database.execute(_SELECT)
         streams, numbers, seeds, parameters, *floats, accepted = zip(*rows, strict=True) if rows else [()] * 11
         cost, completion, failed_segment, mean_error, max_error, lap_time = floats
@@ -214,9 +231,12 @@ class Study:
             StudyError: the objective's world, metric, cost or randomisation is not the study's.
         """
         self._check(objective)
-        for batch in tune(objective, self.tuning):
+        tuning = self.tuning
+        keeper = Timekeeper(tuning, self.wall_time)
+        for batch in tune(objective, tuning):
             self.record(batch)
             watch(batch)
+            keeper.attend()
         result = self.result
         assert result is not None, "a run that has ended has flown"  # noqa: S101  our own mistake
         return result
@@ -261,7 +281,8 @@ class Study:
             raise StudyError(str(self.folder), "budget", reason)
         self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"], rival=load_rival(plain))
         with self._transaction():
-            self._enter("configuration", json.dumps({**plain, "budget": asked["budget"]}, allow_nan=False))
+            taken_over = {key: asked[key] for key in ("budget", "selection", "minutes")}
+            self._enter("configuration", json.dumps({**plain, **taken_over}, allow_nan=False))
             self._note_opening()
 
     def _plain_configuration(self) -> dict[str, Any]:

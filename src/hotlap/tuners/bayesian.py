@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
+from hotlap.tuners.surrogates.threads import one_thread
 from hotlap.tuners.unit_box import UnitBox, latin_hypercube
 
 Floats = NDArray[np.float64]
@@ -130,7 +131,7 @@ class Bayesian:
         chosen = remembered(costs)
         points, values = np.array(self._points)[chosen], standardise(costs[chosen])
         covariance = kernels.covariance_of(self.settings.family.value)
-        with kernels.one_thread():
+        with one_thread():
             if self._theta is None or len(self._costs) % REFIT == 0:
                 self._theta = kernels.likeliest(covariance, points, values, self._theta)
             process = kernels.condition(covariance, points, values, self._theta)

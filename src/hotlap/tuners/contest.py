@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
-from hotlap.tuners.tuner import Tuner
+from hotlap.tuners.tuner import Tuner, asked_together, recommended_by
 
 FLIGHTS = 3  # of each guess
 WORST = 1e12  # a cost that is not finite counts as this
@@ -42,6 +42,14 @@ class Contest:
             return self._tuner.ask(n)
         first = len(self._flown)
         return np.array([self._guesses[k % 2] for k in range(first, min(first + n, 2 * FLIGHTS))])
+
+    def ask_together(self, n: int) -> Parameters:
+        """The same of a tuner that makes many proposals at once."""
+        return asked_together(self._tuner, n) if self._decided else self.ask(n)
+
+    def recommend(self, count: int, rng: np.random.Generator) -> Parameters:
+        """What the tuner recommends, once it has begun."""
+        return recommended_by(self._tuner, count, rng) if self._decided else np.empty((0, *self._rival.shape))
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
         """Store how the guesses flew; after the last flight the tuner starts at the better one."""

@@ -63,3 +63,25 @@ def remark_of(tuner: Tuner) -> str:
     """A tuner's own remark about its run: the text of its method `report`, empty where it has none."""
     report = getattr(tuner, "report", None)
     return "" if report is None else str(report())
+
+
+def asked_together(tuner: Tuner, count: int) -> Parameters:
+    """Parameters to fly next from a tuner that makes many proposals of one model, shape (B, S, K), B at most `count`.
+
+    They come from its method `ask_together(count)`, or from `ask` where it has none.
+    """
+    return getattr(tuner, "ask_together", tuner.ask)(count)
+
+
+def recommended_by(tuner: Tuner, count: int, rng: np.random.Generator) -> Parameters:
+    """Parameters that a tuner expects to succeed most often by all that it was told, the best first, shape (n, S, K), n at most `count`.
+
+    They come from its method `recommend(count, rng)`, which changes nothing in the tuner; of a tuner without one there are none.
+
+    Args:
+        tuner: that has been told of flights.
+        count: most of them.
+        rng: for it alone.
+    """
+    recommend = getattr(tuner, "recommend", None)
+    return np.empty((0, 0, 0)) if recommend is None else recommend(count, rng)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
+from hotlap.tuners.surrogates.threads import one_thread
 
 Floats = NDArray[np.float64]
 
@@ -65,8 +66,18 @@ class Walk(ABC, Generic[AnySettings]):
         if not self._points:
             return self._first[None].copy()
         if self._proposal is None:
-            self._proposal = self._next()
+            with one_thread():
+                self._proposal = self._next()
         return self._decode(self._proposal)[None]
+
+    def ask_together(self, n: int) -> Parameters:
+        """Proposals of one model, shape (n, S, K); at the beginning the first guess and steps from it."""
+        first = [self.ask(1)[0]]
+        if not self._points:
+            steps = self.settings.step * self._steps(n - 1)
+            return np.array(first + [self._decode(self._encode(self._first) + step) for step in steps])
+        with one_thread():
+            return np.array(first + [self._decode(self._next()) for _ in range(n - 1)])
 
     def tell(self, parameters: Parameters, scores: Scores) -> NDArray[np.bool_]:
         """Store points and costs; True where a flight has the lowest cost so far."""
@@ -83,7 +94,7 @@ class Walk(ABC, Generic[AnySettings]):
     def state(self) -> dict[str, Any]:
         """All flights, the current proposal and the random generator."""
         return {
-            "points": [list(point) for point in self._points],
+            "points": list(self._points),  # no point is written into
             "costs": [cost if math.isfinite(cost) else None for cost in self._costs],  # JSON has no infinity
             "proposal": None if self._proposal is None else self._proposal.tolist(),
             "rng": self._rng.bit_generator.state,

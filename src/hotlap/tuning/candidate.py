@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hotlap.core.parameters import Parameters
-from hotlap.core.records import Scores
+from hotlap.core.records import Floats, Scores
 from hotlap.tuning.goal import Goal
 
 WORST: Mapping[str, float] = {"cost": float("inf"), "lap_time": float("nan")}  # of what need not be finite
@@ -68,16 +68,28 @@ def summarise(parameters: Parameters, flown: Scores, confirmed: bool, validation
     )
 
 
-def reported_scores(flown: Scores, goal: Goal) -> Scores:
+def reported_scores(flown: Scores, goal: Goal, caution: float = 0.0) -> Scores:
     """The score of a candidate that is reported to the tuner, one row, from all its flights.
 
     Costs and gate misses are means over the flights; the rest is that of the last flight that failed or, if none did, of the last.
+
+    Args:
+        flown: all its flights.
+        goal: that makes one a failure.
+        caution: standard deviations over the flights by which a gate's miss counts as more than its mean.
     """
     failed = np.flatnonzero(~goal.met(flown))
     last = int(failed[-1]) if len(failed) else len(flown) - 1
     means = {name: np.mean(getattr(flown, name), axis=0, keepdims=True) for name in ("cost", "dense")}
+    return replace(flown.rows(slice(last, last + 1)), gate_miss=_misses(flown, caution), **means)
+
+
+def _misses(flown: Scores, caution: float) -> Floats:
+    """The miss at each gate over the flights that got there, shape (1, M); NaN where none did."""
     reached = np.isfinite(flown.gate_miss)
-    total = np.where(reached, flown.gate_miss, 0.0).sum(axis=0, keepdims=True)
+    misses = np.where(reached, flown.gate_miss, 0.0)
     with np.errstate(invalid="ignore"):
-        misses = total / reached.sum(axis=0)  # NaN where no flight got to a gate
-    return replace(flown.rows(slice(last, last + 1)), gate_miss=misses, **means)
+        mean = misses.sum(axis=0, keepdims=True) / reached.sum(axis=0)
+        if not caution:
+            return mean
+        return mean + caution * np.sqrt((np.where(reached, misses - mean, 0.0) ** 2).sum(axis=0, keepdims=True) / reached.sum(axis=0))

@@ -1,79 +1,36 @@
 """Tuning: ask, fly, confirm, validate, tell, until a candidate is reliable or the budget is spent; knows no file.
 
 The paper confirms a candidate by four re-flights (Sec. IV-A). Among many candidates, one that completes two flights of three soon
-passes them by chance. So a confirmed candidate is validated by 200 flights more, and the search goes on if too few of them succeed.
+passes them by chance. So a confirmed candidate is validated by 200 flights more, and the search goes on if too few of them succeed. Where
+the budget is spent without such a candidate, what is handed over is chosen by flights of its own (`selection`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.core.errors import InputError
 from hotlap.core.ledger import Ledger, enter
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
-from hotlap.core.seeds import FLIGHTS_A_STREAM, LARGEST_RUN_SEED, Stream, flight_seeds
-from hotlap.core.success_rate import FLIGHTS, RELIABILITY, Validation
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.success_rate import Validation
 from hotlap.reference.scenario import Scenario
-from hotlap.tuners.tuner import Tuner
+from hotlap.tuners.tuner import Tuner, asked_together, recommended_by
 from hotlap.tuning.candidate import Candidate, reported_scores, summarise
-from hotlap.tuning.goal import Goal
+from hotlap.tuning.goal import Quantity
 from hotlap.tuning.objective import Objective
+from hotlap.tuning.selection import FINALISTS, KNOWN, Contenders, Finalist, Selection, merit
+from hotlap.tuning.settings import TuningSettings
 
-CONFIRMATIONS = 4  # "flown four times more", Sec. IV-A
-SAMPLES = 4  # flights of a candidate, where vehicles differ
-
-
-@dataclass(frozen=True)
-class TuningSettings:
-    """Settings of a run.
-
-    Attributes:
-        goal: when to stop.
-        budget: flights, re-flights included.
-        seed: of the tuner's chance and of the flights' noise.
-        confirm: fresh re-flights that a candidate must pass.
-        validation: flights of a confirmed candidate with noise that the search has not met, outside the budget; 0 for none.
-        reliability: least share of them that must meet the goal, or the search goes on; 0 takes any candidate that is confirmed.
-        batch: most candidates that a tuner is asked for at once.
-        samples: flights of each candidate in the search, all of which must meet the goal; 0: one, or `SAMPLES` where vehicles differ.
-        randomise: how far the vehicle may differ from flight to flight, as a share; see `vehicle_parameters.draw_vehicle_parameters`.
-    """
-
-    goal: Goal = field(default_factory=Goal)
-    budget: int = 200
-    seed: int = 0
-    confirm: int = CONFIRMATIONS
-    validation: int = FLIGHTS
-    reliability: float = RELIABILITY
-    batch: int = 8
-    samples: int = 0
-    randomise: float = 0.0
-
-    @property
-    def flights_each(self) -> int:
-        """Flights of a candidate in the search, before its re-flights."""
-        return self.samples or (SAMPLES if self.randomise else 1)
-
-    def __post_init__(self) -> None:
-        for name, least, largest in (
-            ("budget", 1, FLIGHTS_A_STREAM),
-            ("seed", 0, LARGEST_RUN_SEED),
-            ("confirm", 0, 1000),
-            ("validation", 0, FLIGHTS_A_STREAM // 100),
-            ("reliability", 0, 1),
-            ("batch", 1, 10_000),
-            ("samples", 0, 1000),
-            ("randomise", 0, 0.9),
-        ):
-            value = getattr(self, name)
-            if not least <= value <= largest:
-                raise InputError("", name, f"must be from {least} to {largest}, not {value}")
+FOREVER = 1e9  # minutes after which a search has ended that was told to end
+FEW = 4  # candidates of a population that are confirmed
+SCREENED = 48  # flights after which a validation of one may be given up
 
 
 @dataclass(frozen=True)
@@ -138,7 +95,7 @@ class Tuning:
     Attributes:
         best: the best candidate so far, None before the first flight.
         validation: of the best candidate, None before it was flown.
-        flights: flown so far, re-flights included, validations not.
+        flights: flown so far, re-flights included, selection and validations not.
         search_flights: without re-flights, up to the confirmed candidate.
     """
 
@@ -155,14 +112,16 @@ class Tuning:
         self.best: Candidate | None = None
         self.validation: Validation | None = None
         self.search_flights = 0
-        self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0, Stream.VALIDATION: 0}
+        self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0, Stream.VALIDATION: 0, Stream.SELECTION: 0}
+        self._contenders, self._known, self._selection = Contenders(), list[Finalist](), None
+        self._selected_at, self._ended, self._selection_flights = -1, 0.0, settings.selection
         tuner.start(guess, scenario.space, np.random.default_rng(settings.seed))
         if state is not None:
             self._restore(state)
 
     @property
     def flights(self) -> int:
-        """Flown so far, re-flights included, validations not."""
+        """Flown so far, re-flights included, selection and validations not."""
         return self._flown[Stream.SEARCH] + self._flown[Stream.CONFIRMATION]
 
     @property
@@ -171,15 +130,39 @@ class Tuning:
         return self._flown[Stream.VALIDATION]
 
     @property
+    def selection_flights(self) -> int:
+        """Flown so far to choose the result where no candidate was confirmed."""
+        return self._flown[Stream.SELECTION]
+
+    @property
     def done(self) -> bool:
-        """Whether the search is over and its result validated."""
-        return self._searched and (self.validation is not None or not self.settings.validation)
+        """Whether the search is over and its result chosen and validated."""
+        return self._searched and self._selected and (self.validation is not None or not self.settings.validation)
+
+    def end_search(self, selection: int | None = None) -> None:
+        """Let the search end, whatever is left of its budget: the time is over. The result is still chosen and validated.
+
+        Args:
+            selection: flights by which it is chosen; None: as the settings say.
+        """
+        self._ended = self.settings.minutes or FOREVER
+        self._selection_flights = self.settings.selection if selection is None else selection
+
+    @property
+    def searched(self) -> bool:
+        """Whether a candidate is confirmed, the budget spent or the time over."""
+        return self._searched
 
     @property
     def _searched(self) -> bool:
-        """Whether a candidate is confirmed or the budget spent."""
+        """Whether a candidate is confirmed, the budget spent or the time over."""
         left = self.settings.budget - self.flights
-        return self.best is not None and (self.best.confirmed or left < self.settings.flights_each)
+        return self.best is not None and (self.best.confirmed or self._ended > 0 or left < self.settings.flights_each)
+
+    @property
+    def _selected(self) -> bool:
+        """Whether the result has been chosen, or there is nothing to choose."""
+        return bool(self.best and self.best.confirmed) or not self._selection_flights or self._selected_at == self.flights
 
     def batch(self) -> Generator[Request, Scores, Batch]:
         """One pass of the loop: yields the flights that it wants, is sent their scores, returns the batch.
@@ -189,34 +172,82 @@ class Tuning:
         spent, the last pass validates the best candidate.
         """
         if self._searched and self.best is not None:
-            self.validation, ledger, _ = yield from self._validate(self.best.parameters)
+            ledger = yield from (self._finish(self.best) if self._selected else self._select())
             return self._report(ledger, ())
         each = self.settings.flights_each
-        parameters = self.tuner.ask(max(1, min(self.settings.batch, (self.settings.budget - self.flights) // each)))
+        ask = partial(asked_together, self.tuner) if self.settings.minutes else self.tuner.ask
+        parameters = ask(max(1, min(self.settings.batch, (self.settings.budget - self.flights) // each)))
         ledger, scores = yield from self._fly(Stream.SEARCH, np.repeat(parameters, each, axis=0))
         ledgers, flown = [ledger], [scores.rows(slice(i, i + each)) for i in range(0, len(scores), each)]
         before, confirmed, validation, failed = self.search_flights, None, None, {}
         self.search_flights += len(scores)
-        for i in np.flatnonzero(self.settings.goal.met(scores).reshape(-1, each).all(axis=1)).tolist():
+        for i in self._promising(flown):
             flown[i], again = yield from self._confirm(parameters[i], flown[i])
             ledgers += again
             if not self._is_confirmed(flown[i]):
                 continue
             if self.settings.validation:
-                validation, ledger, repeats = yield from self._validate(parameters[i])
+                validation, ledger, repeats = yield from (self._screen if self.settings.minutes else self._validate)(parameters[i])
                 ledgers.append(ledger)
-                if validation.rate < self.settings.reliability:
+                if validation.rate < self.settings.wanted:
                     flown[i] = Scores.join([flown[i], repeats])
                     failed[i] = validation
+                    self._remember(Finalist(parameters[i]).flown(repeats, self.settings.goal))
                     continue
-            confirmed, self.search_flights = i, before + (i + 1) * each
+            confirmed, validation = i, None if self.settings.minutes else validation  # of many, the luckiest: it is validated again
+            self.search_flights = before + (len(scores) if self.settings.minutes else (i + 1) * each)
             break
-        reported = Scores.join([reported_scores(scores, self.settings.goal) for scores in flown])
+        reported = Scores.join([reported_scores(scores, self.settings.goal, self.settings.caution) for scores in flown])
         ledgers[0] = ledgers[0].accept(np.repeat(self.tuner.tell(parameters, reported), each))
         rates = {i: validation.rate for i, validation in failed.items()}
         candidates = [summarise(parameters[i], scores, confirmed == i, rates.get(i, 0.0)) for i, scores in enumerate(flown)]
         self._choose(candidates, validation)
+        self._consider(parameters, flown, rates)
         return self._report(Ledger.join(ledgers), tuple(failed.values()))
+
+    def _promising(self, flown: Sequence[Scores]) -> list[int]:
+        """Candidates that met the goal in all their flights, in the order to be confirmed; of a population, the best few."""
+        met = [i for i, scores in enumerate(flown) if self.settings.goal.met(scores).all()]
+        return sorted(met, key=lambda i: float(flown[i].dense.mean()))[:FEW] if self.settings.minutes else met
+
+    def _finish(self, best: Candidate) -> Generator[Request, Scores, Ledger]:
+        """Validate the result; one that was chosen by flights of its own is confirmed by as many successes as any other."""
+        self.validation, ledger, _ = yield from self._validate(best.parameters)
+        chosen = self._selected_at == self.flights
+        if (chosen or self.settings.minutes) and self.settings.reliability and self.settings.goal.quantity is not Quantity.NONE:
+            self.best = replace(best, confirmed=self.validation.rate >= self.settings.reliability)
+        return ledger
+
+    def _select(self) -> Generator[Request, Scores, Ledger]:
+        """One round of the selection among the candidates that look best and those that the tuner recommends."""
+        selection = self._selection or Selection.begin(self._finalists(), self._selection_flights, self._known)
+        parameters = np.repeat(np.array([one.parameters for one in selection.finalists]), selection.flights_each, axis=0)
+        ledger, scores = yield from self._fly(Stream.SELECTION, parameters)
+        self._selection = selection.after(scores, self.settings.goal)
+        winner = self._selection.winner
+        if winner is not None:
+            self._selection, self._selected_at = None, self.flights
+            self.best, self.validation = winner.candidate, None
+            self._remember(winner)
+        return ledger
+
+    def _finalists(self) -> list[Parameters]:
+        """What the selection begins with, each once."""
+        rng = np.random.default_rng((self.settings.seed, self.flights, int(Stream.SELECTION)))
+        ours, theirs = self._contenders.best(), list(recommended_by(self.tuner, FINALISTS // 2, rng))
+        mixed = [one for pair in zip(ours, theirs, strict=False) for one in pair] + ours[len(theirs) :] + theirs[len(ours) :]
+        return list({one.tobytes(): one for one in mixed}.values())[:FINALISTS]
+
+    def _remember(self, flown: Finalist) -> None:
+        """Keep a candidate that was flown often, if it is among the best of these."""
+        others = [one for one in self._known if one.parameters.tobytes() != flown.parameters.tobytes()]
+        self._known = sorted([*others, flown], key=lambda one: one.rank, reverse=True)[:KNOWN] if self.settings.selection else []
+
+    def _consider(self, parameters: Parameters, flown: Sequence[Scores], rates: Mapping[int, float]) -> None:
+        """Remember candidates for the selection."""
+        if self.settings.selection:
+            for i, scores in enumerate(flown):
+                self._contenders.add(parameters[i], merit(scores, self.settings.goal, 0.0 if self.settings.minutes else rates.get(i, 0.0)))
 
     def _choose(self, candidates: Sequence[Candidate], validation: Validation | None) -> None:
         """Keep the best candidate, with its validation if it has been confirmed."""
@@ -243,7 +274,7 @@ class Tuning:
 
     def _enter(self, stream: Stream, parameters: Parameters, seeds: NDArray[np.int64], scores: Scores) -> Ledger:
         """Count flights; their rows of the ledger."""
-        number = self.validation_flights if stream is Stream.VALIDATION else self.flights
+        number = self._flown[stream] if stream in {Stream.VALIDATION, Stream.SELECTION} else self.flights
         self._flown[stream] += len(seeds)
         return enter(number, stream, parameters, seeds, scores)
 
@@ -269,6 +300,17 @@ class Tuning:
         ledger, scores = yield from self._fly(Stream.VALIDATION, repeated)
         return Validation(len(scores), int(self.settings.goal.succeeded(scores).sum())), ledger, scores
 
+    def _screen(self, parameters: Parameters) -> Generator[Request, Scores, tuple[Validation, Ledger, Scores]]:
+        """The same, given up as soon as too many have failed."""
+        allowed, ledgers, flown = (1 - self.settings.wanted) * self.settings.validation, [], []
+        failures, left = 0, self.settings.validation
+        while left and failures <= allowed:
+            ledger, scores = yield from self._fly(Stream.VALIDATION, np.repeat(parameters[None], min(left, SCREENED), axis=0))
+            ledgers, flown, left = [*ledgers, ledger], [*flown, scores], left - len(scores)
+            failures += int((~self.settings.goal.succeeded(scores)).sum())
+        validation = Validation(self.settings.validation - left, self.settings.validation - left - failures)
+        return validation, Ledger.join(ledgers), Scores.join(flown)
+
     def _is_confirmed(self, flown: Scores) -> bool:
         """Whether a candidate's flight and all its re-flights met the goal."""
         return len(flown) == self.settings.flights_each + self.settings.confirm and bool(self.settings.goal.met(flown).all())
@@ -279,14 +321,24 @@ class Tuning:
         flown = {stream.name: count for stream, count in self._flown.items()}
         validation = None if self.validation is None else asdict(self.validation)
         counts = {"flown": flown, "search_flights": self.search_flights}
-        return {**counts, "best": best, "validation": validation, "tuner": self.tuner.state()}
+        selection = None if self._selection is None else self._selection.dump()
+        selecting = {"contenders": self._contenders.dump(), "selection": selection, "selected_at": self._selected_at}
+        selecting["known"] = [one.dump() for one in self._known]
+        ended = {"ended": self._ended, "selection_flights": self._selection_flights}
+        return {**counts, "best": best, "validation": validation, **selecting, **ended, "tuner": self.tuner.state()}
 
     def _restore(self, state: dict[str, Any]) -> None:
         """The inverse of `_state`."""
-        self._flown = {Stream[name]: count for name, count in state["flown"].items()}
+        self._flown |= {Stream[name]: count for name, count in state["flown"].items()}
         self.search_flights = state["search_flights"]
         self.best = None if state["best"] is None else Candidate.load(state["best"])
         self.validation = None if state["validation"] is None else Validation(**state["validation"])
+        self._contenders = Contenders.load(state.get("contenders", ()))
+        self._known = [Finalist.load(one) for one in state.get("known", ())]
+        self._selection = Selection.load(state["selection"]) if state.get("selection") else None
+        self._selected_at = state.get("selected_at", self.flights if self.validation is not None else -1)
+        if state.get("ended") and (not self.settings.minutes or state["ended"] >= self.settings.minutes):  # else it has been given more
+            self._ended, self._selection_flights = state["ended"], state["selection_flights"]
         self.tuner.restore(state["tuner"])
 
 

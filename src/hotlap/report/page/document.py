@@ -34,7 +34,7 @@ SYMBOLS = {  # letters of the paper, where it has them
     "horizon": "T",
 }
 RULES = {GateRule.CLOCK: "clock", GateRule.OPENING: "opening"}
-STREAMS = (Stream.SEARCH, Stream.CONFIRMATION, Stream.VALIDATION)
+STREAMS = {Stream.SEARCH: 0, Stream.CONFIRMATION: 1, Stream.VALIDATION: 2, Stream.SELECTION: 2}  # the page shows no flight of 2
 
 
 def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False) -> dict[str, Any]:
@@ -89,7 +89,8 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "confirm": settings.confirm,
         "validation": None if result is None or result.validation is None else _validation(result.validation),
         "wall_time": None if result is None else number(result.wall_time),
-        "remark": "" if result is None else result.remark,
+        "remark": snapshot.remark,
+        "plans": [plan.dump() for plan in snapshot.plans],
     }
 
 
@@ -99,7 +100,14 @@ def _validation(validation: Validation) -> dict[str, Any]:
 
 
 def _robustness(robustness: Robustness) -> dict[str, Any]:
-    return {"change": robustness.change, "asked": robustness.asked, **_validation(robustness.validation)}
+    return {"change": robustness.change, "asked": robustness.asked, **_validation(robustness.validation), **_reasons(robustness)}
+
+
+def _reasons(robustness: Robustness) -> dict[str, Any]:
+    """What is left of the thrust under a condition, and why flights fail."""
+    margin = robustness.margin
+    left = None if margin is None else {"thrust": margin.thrust, "rates": margin.rates, "place": margin.place}
+    return {"margin": left, "causes": [cause.dump() for cause in robustness.causes]}
 
 
 def _flights(snapshot: Snapshot) -> dict[str, Any]:
@@ -111,7 +119,7 @@ def _flights(snapshot: Snapshot) -> dict[str, Any]:
         "completion": pack(ledger.completion),
         "mean_error": pack(ledger.mean_error),
         "lap_time": pack(ledger.lap_time),
-        "stream": [STREAMS.index(Stream(stream)) for stream in ledger.streams.tolist()],
+        "stream": [STREAMS[Stream(stream)] for stream in ledger.streams.tolist()],
         "accepted": ledger.accepted.astype(int).tolist(),
         "succeeded": succeeded(ledger, settings.goal).astype(int).tolist(),
         "failed_segment": ledger.failed_segment.tolist(),
@@ -194,7 +202,7 @@ def dump_scenario(scenario: Scenario) -> dict[str, Any]:
         "pieces": pieces,
         "segment_names": [f"{i + 1} {kind}" for i, kind in enumerate(segments.segment_classes)],
         "reference": _reference(scenario),
-        "limits": {"thrust": list(settings.thrust), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
+        "limits": {"thrust": list(scenario.thrust_limits), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
         "rotors": rotor_positions(vehicle.layout, vehicle.arm).tolist(),
     }
 
@@ -206,6 +214,14 @@ def _reference(scenario: Scenario) -> dict[str, Any]:
     arrays = {name: getattr(reference, name)[rows] for name in ("position", "attitude", "thrust", "rates")}
     speed = np.linalg.norm(reference.velocity[rows], axis=1)
     return {name: pack(values) for name, values in {"time": reference.times[rows], "speed": speed, **arrays}.items()}
+
+
+def _estimates(trace: Trace, rows: slice) -> dict[str, Any]:
+    """What the controller has estimated: thrust effectiveness, and the size of the disturbance; None where it estimates nothing."""
+    if trace.estimates is None:
+        return {"thrust_effectiveness": None, "disturbance": None}
+    size = np.linalg.norm(trace.estimates[rows, 1:], axis=1)
+    return {"thrust_effectiveness": pack(trace.estimates[rows, 0]), "disturbance": pack(size)}
 
 
 def dump_trace(trace: Trace, efforts: tuple[Effort, Effort]) -> dict[str, Any]:
@@ -233,6 +249,7 @@ def dump_trace(trace: Trace, efforts: tuple[Effort, Effort]) -> dict[str, Any]:
         "end_time": number(trace.end_time),
         "end_position": numbers(trace.end_position),
         **{name: pack(values[rows]) for name, values in series.items()},
+        **_estimates(trace, rows),
         "gate_distance": pack(trace.gate_distance),
         "seen_times": pack(trace.seen_times),
         "effort": {**own, "reference": reference},

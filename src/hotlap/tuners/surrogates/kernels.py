@@ -11,8 +11,6 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -27,7 +25,6 @@ from sklearn.gaussian_process.kernels import (
     StationaryKernelMixin,
     WhiteKernel,
 )
-from threadpoolctl import ThreadpoolController
 
 from hotlap.tuners.surrogates.gaussian_process import matern, square_distances
 
@@ -191,17 +188,6 @@ def condition(covariance: Any, points: Floats, values: Floats, theta: list[float
     """The process given values, shape (n,), at points, shape (n, d); it predicts the signal without noise."""
     fitted = covariance.clone_with_theta(np.array(theta))
     return _regress(fitted.k1, points, values, fitted.k2.noise_level)
-
-
-def one_thread() -> AbstractContextManager[Any]:
-    """Linear algebra on one thread: for these small matrices more threads are not faster, and they change the rounding."""
-    return _libraries().limit(limits=1, user_api="blas")
-
-
-@cache
-def _libraries() -> ThreadpoolController:
-    """The linear algebra libraries loaded by numpy and scipy."""
-    return ThreadpoolController()
 
 
 def _regress(covariance: Any, points: Floats, values: Floats, noise: float) -> Any:
