@@ -178,12 +178,13 @@ class ControllerSettings(Described):
             raise ValueError(f'solver: "real_time" converges with {REAL_TIME_RANGE}; "line_search" does without')
         if self.period > LONGEST_PERIOD + ALMOST:
             raise ValueError(f"period: an MPC follows with up to {LONGEST_PERIOD:g} s, not {self.period:g} s")
+        if self.longest_horizon > LONGEST_HORIZON + ALMOST:
+            raise ValueError(f"high[{self._horizon_index}]: a horizon of {self.longest_horizon:g} s is longer than {LONGEST_HORIZON:g} s")
         if self.widest_spacing > WIDEST_SPACING + ALMOST:
             apart = f"{self.nodes} nodes over a horizon of up to {self.longest_horizon:g} s lie {self.widest_spacing:.3g} s apart"
             nodes, high = math.ceil(self.longest_horizon / WIDEST_SPACING - ALMOST), WIDEST_SPACING * self.nodes / self.horizon_unit
-            cure = f"{nodes} nodes" if nodes <= MOST_NODES else ""
-            cure += f"{', or ' if cure else ''}high[{self._horizon_index}] = {high:.3g}"
-            raise ValueError(f"nodes: {apart}, and an MPC follows with up to {WIDEST_SPACING:g} s: set {cure}")
+            cure = f"set {nodes} nodes, or high[{self._horizon_index}] = {high:.3g}"
+            raise ValueError(f"nodes: {apart}, and an MPC follows with up to {WIDEST_SPACING:g} s: {cure}")
 
     @property
     def _horizon_index(self) -> int:
@@ -217,7 +218,8 @@ class ControllerSettings(Described):
 
 
 REAL_TIME_RANGE = "up to 20 nodes, at least 2 sweeps, a period of up to 0.01 s and a horizon of up to 3.5 s, 0.175 s a node"
-WIDEST_SPACING, LONGEST_PERIOD = 0.25, 0.05  # s, with which an MPC follows a reference that its model can fly to 0.03 m: docs/controller.md
+WIDEST_SPACING, LONGEST_PERIOD, LONGEST_HORIZON = 0.25, 0.05, 14.0
+"""[s] Between nodes, of the control loop and of the horizon: an MPC follows what its model can fly to 0.03 m (docs/controller.md)."""
 ALMOST = 1e-9
 PLANT_STEP = 0.0025  # s, of the built-in plant
 
