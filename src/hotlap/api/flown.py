@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hotlap import worlds
-from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose, diagnose_logs, telling
+from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling
 from hotlap.analysis.robustness import HELD, Robustness, check_robustness
 from hotlap.api.asked import Asked
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -176,7 +176,7 @@ def _why(scenario: Scenario, world: World, parameters: Parameters, flights: Flig
     """Why flights fail: by further flights where those cost nothing, else by the log of the first."""
     if world.takes_vehicle_parameters:
         seeds, before = telling(flights.seeds, ~scores.complete), float(scores.complete.mean())
-        return diagnose(scenario, world, parameters, seeds, before=before, replan=cheap_replan(scenario))
+        return diagnose(scenario, world, parameters, seeds, before=before)
     return diagnose_logs(scenario, flights, ~scores.complete)
 
 

@@ -227,7 +227,7 @@ def make_scenario(law: str) -> Scenario:
     reference = Reference(position, attitude, zeros, zeros, thrust, unknown, end - PERIOD * np.array([0.5, 0.25, 0.0]), end)
     track = Track(name="self-check", start=(0.0, 0.0, 0.0), gates=GATES, poles=(POLE,))
     kind, solver = kind_and_solver(law)
-    settings = ControllerSettings(kind=kind, solver=solver, nodes=NODES, horizon_unit=HORIZON_UNIT)
+    settings = ControllerSettings(kind=kind, solver=solver, nodes=NODES, thrust=THRUST, horizon_unit=HORIZON_UNIT)
     judge = JudgeSettings(rule=GateRule.OPENING, window=(end, 0.0), fly_on=True)
     race = Race(name="self-check", track=track, vehicle=DRONE, controller=settings, noise=NOISE, judge=judge)
     return Scenario(race, reference, Segments(np.array([0.0, end / 4]), (SegmentClass.FLAT, SegmentClass.FLAT), end))
