@@ -19,7 +19,7 @@ from hotlap.race.controllers import ControllerKind
 from hotlap.race.race import ControllerSettings
 from hotlap.reference.scenario import Scenario
 
-NODES, HORIZONS, PERIODS, SWEEPS = (2, 5, 10, 14, 20, 40, 60, 100), (0.5, 2.0, 3.5), (0.0025, 0.01, 0.05), (1, 2, 10)
+NODES, HORIZONS, PERIODS, SWEEPS = (2, 5, 10, 18, 20, 40, 60, 100), (0.5, 2.0, 3.5), (0.0025, 0.01, 0.05), (1, 2, 10)
 
 
 def cell(scenario: Scenario, solver: str | None, nodes: int, horizon: float, period: float, sweeps: int) -> str:

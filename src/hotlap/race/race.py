@@ -218,7 +218,7 @@ class ControllerSettings(Described):
 
 
 REAL_TIME_RANGE = "up to 20 nodes, at least 2 sweeps, a period of up to 0.01 s and a horizon of up to 3.5 s, 0.175 s a node"
-WIDEST_SPACING, LONGEST_PERIOD, LONGEST_HORIZON = 0.25, 0.05, 14.0
+WIDEST_SPACING, LONGEST_PERIOD, LONGEST_HORIZON = 0.2, 0.05, 14.0
 """[s] Between nodes, of the control loop and of the horizon: an MPC follows what its model can fly to 0.03 m (docs/controller.md)."""
 ALMOST = 1e-9
 PLANT_STEP = 0.0025  # s, of the built-in plant
