@@ -12,8 +12,7 @@ T is the thrust that was commanded a known dead time ago, within the rotors' lim
 not learnt: rotors that can give no more say nothing about the thrust of a command.
 
 The controller plans effective thrust: it commands T / k, may plan up to k times what may be commanded, and predicts with k times what was
-commanded. At each node of the horizon the acceleration d - drag acts besides the model: of the last plan, or of the target, where the
-thrust and body z of T z = T_ref z_ref - (d - drag) make up for it by the least tilt; the table of the reference has no drag (`drag_free`).
+commanded. At each node of the horizon a = d - drag, of the last plan, acts besides the model, and the node's target makes up for it: thrust and body z of T z = T_ref z_ref - a, by the least tilt, where the table of the reference has no drag (`drag_free`).
 """
 
 from __future__ import annotations
@@ -171,21 +170,18 @@ def observe(s: Settings, p: Any) -> None:
 
 
 @njit(**INLINE)
-def push_of(p: Any, state: Any, command: Any, model_has_drag: bool, push: Any) -> None:
-    """The acceleration that acts besides a model, (3,): d, and where the model has no drag, that of a state and an input (4,)."""
+def push_of(p: Any, state: Any, command: Any, push: Any) -> None:
+    """The acceleration that acts besides gravity and thrust in a state with an input, (3,): d - drag."""
+    air_drag(state, command, p.known_drag, p.drag)
     for i in range(3):
-        push[i] = p.estimate[DISTURBANCE + i]
-    if not model_has_drag:
-        air_drag(state, command, p.known_drag, p.drag)
-        for i in range(3):
-            push[i] = push[i] - p.drag[i]
+        push[i] = p.estimate[DISTURBANCE + i] - p.drag[i]
 
 
 @njit(**INLINE)
-def correct_target(p: Any, target: Any, acceleration: Any) -> None:
-    """Correct the target of one node, (14,) p q v inputs, for the acceleration that acts there besides gravity and thrust, (3,)."""
-    push_of(p, target[:10], target[10:], False, acceleration)
-    turn_target(target, acceleration, target)
+def disturbance_of(p: Any, push: Any) -> None:
+    """The acceleration that acts besides a model with drag, (3,): d."""
+    for i in range(3):
+        push[i] = p.estimate[DISTURBANCE + i]
 
 
 @njit(**INLINE)
