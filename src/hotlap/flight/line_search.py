@@ -20,7 +20,7 @@ from hotlap.flight.job import Settings
 from hotlap.flight.lanes import every, number, select
 from hotlap.flight.mpc import Mpc, backward, linearise, terminal
 from hotlap.flight.numbers import COMPILE, INLINE, aligned_zeros
-from hotlap.flight.observer import correct_target, observe, plan_bounds, push, push_of
+from hotlap.flight.observer import disturbance_of, observe, plan_bounds, push, push_of, turn_target
 from hotlap.flight.riccati import GAIN_SIZE
 from hotlap.flight.shooting import add_input_cost, add_state_cost, follow_policy, input_in_part, make_unit
 
@@ -197,10 +197,16 @@ def search(
     def correct(s: Settings, m: SearchMpc, p: ControlLoop) -> None:
         """Observe, and correct targets, inputs and bounds for what was learnt and for drag."""
         observe(s, p)
-        push_of(p, p.drag, model_has_drag, p.push)
+        push_of(p, p.seen, p.acted, p.push)
+        if model_has_drag:
+            disturbance_of(p, p.push)
         for n in range(len(m.reference)):
             thrust = m.reference[n, 10]
-            correct_target(p, m.reference[n], model_has_drag, m.push[n])
+            target = m.reference[n]
+            push_of(p, target[:10], target[10:], m.push[n])
+            turn_target(target, m.push[n], target)
+            if model_has_drag:
+                disturbance_of(p, m.push[n])
             change = m.reference[n, 10] - thrust
             if n == 0:
                 m.inputs_now[0] = m.inputs_now[0] + change

@@ -42,6 +42,7 @@ Floats = NDArray[np.float64]
 
 STEPS, NODES = 24, 4  # control periods of a flight, nodes of the horizon
 REFILLED = 3  # flights beyond one a lane
+THRUST = (0.1, 20.0)  # m/s^2, less than the rotors have
 HORIZON_UNIT, SPREAD = 0.1, 0.3  # [s] of the horizon; of the logarithms of the parameters: half of the commands meet a bound
 JUDGED = ("mean_error", "max_error", "rim_distance", "closest_distance", "end_time", "end", "gates_passed", "cause", "cause_index")
 TOLERANCE = 2e-3  # of every number in a log, in its unit and relative: single precision stays below 5e-5
