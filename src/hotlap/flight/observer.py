@@ -12,7 +12,8 @@ T is the thrust that was commanded a known dead time ago, within the rotors' lim
 not learnt: rotors that can give no more say nothing about the thrust of a command.
 
 The controller plans effective thrust: it commands T / k, may plan up to k times what may be commanded, and predicts with k times what was
-commanded. At each node of the horizon a = d - drag, of the last plan, acts besides the model, and the node's target makes up for it: thrust and body z of T z = T_ref z_ref - a, by the least tilt, where the table of the reference has no drag (`drag_free`).
+commanded. At each node of the horizon a = d - drag, of the last plan, acts besides the model, and the node's target makes up for it:
+thrust and body z of T z = T_ref z_ref - a, by the least tilt, where the table of the reference has no drag (`drag_free`).
 """
 
 from __future__ import annotations
