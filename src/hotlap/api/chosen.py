@@ -54,6 +54,11 @@ def leaves_open(race: Race, settings: TuningSettings, asked: Asked) -> bool:
     return race.planning.free and asked.reference is None and settings.goal.quantity is not Quantity.NONE and enough
 
 
+def minutes_each(settings: TuningSettings) -> float:
+    """Minutes that each plan may take, where time is counted."""
+    return settings.minutes / PARTS
+
+
 def plan_of(folder: Path) -> tuple[float | None, tuple[TriedPlan, ...]]:
     """The share of the thrust that the race of a study is planned with, and the plans that were tried before it was chosen."""
     with Study.read(folder) as study:
@@ -142,8 +147,9 @@ class PlanChoice:
         if budget < self.settings.confirm + FEWEST:
             return None
         try:
-            settings = replace(self.settings, budget=budget, minutes=self.settings.minutes / PARTS)
-            configuration = self.configure(self.race.with_share(share), settings)
+            configuration = self.configure(
+                self.race.with_share(share), replace(self.settings, budget=budget, minutes=minutes_each(self.settings))
+            )
         except PlanningError as error:
             tried = TriedPlan(share, None, 0, None, holds=False, end=f"there is no plan ({error.reason})")
         else:

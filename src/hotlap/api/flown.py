@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hotlap import worlds
-from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose, diagnose_logs
-from hotlap.analysis.robustness import HELD, LOOKED_AT, Robustness, check_robustness
+from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling
+from hotlap.analysis.robustness import HELD, Robustness, check_robustness
 from hotlap.api.asked import Asked
 from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_range, check_source, check_target
@@ -175,7 +175,8 @@ def carry_out(asked: Asked) -> FlightsResult:
 def _why(scenario: Scenario, world: World, parameters: Parameters, flights: Flights, scores: Scores) -> tuple[Diagnosis, ...]:
     """Why flights fail: by further flights where those cost nothing, else by the log of the first."""
     if world.takes_vehicle_parameters:
-        return diagnose(scenario, world, parameters, flights.seeds[:LOOKED_AT], replan=cheap_replan(scenario))
+        seeds, before = telling(flights.seeds, ~scores.complete), float(scores.complete.mean())
+        return diagnose(scenario, world, parameters, seeds, before=before)
     return diagnose_logs(scenario, flights, ~scores.complete)
 
 

@@ -55,13 +55,14 @@ EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
         "model": "hummingbird",
         "planning.quadrotor": "airsim-plan",
         "planning.thrust_share": 0.75,
+        "controller.offset_free": True,
+        "controller.solver": "real_time",
         "planning.v_max": 20.0,
         "planning.clearance": 0.1,
         "planning.ramp.distance": 35.0,
         "planning.ramp.thrust_to_weight": 1.5,
         "planning.ramp.rate": 4.5,
         "planning.floor": -5.0,
-        "controller.offset_free": True,
     },
 }
 

@@ -32,6 +32,11 @@ class Contest:
         self._flown: list[tuple[float, float]] = []  # completion and cost, of the first guess and of the rival in turn
         self._decided = False
 
+    @property
+    def learns_from_any(self) -> bool:
+        """Whether it accepts scores of parameters that it did not ask for."""
+        return self._decided and bool(getattr(self._tuner, "learns_from_any", False))
+
     def start(self, first_guess: Parameters, space: ParameterSpace, rng: np.random.Generator) -> None:
         """Begin with both guesses."""
         self._guesses, self._space, self._rng = (first_guess, self._rival), space, rng

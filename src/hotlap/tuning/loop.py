@@ -25,9 +25,10 @@ from hotlap.tuners.tuner import Tuner, asked_together, recommended_by
 from hotlap.tuning.candidate import Candidate, reported_scores, summarise
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.objective import Objective
-from hotlap.tuning.selection import FINALISTS, KNOWN, Contenders, Finalist, Selection, merit
+from hotlap.tuning.selection import FINALISTS, KNOWN, Contenders, Finalist, Selection, merit, mixed
 from hotlap.tuning.settings import TuningSettings
 
+CYCLES = 3  # selections, one after the other, where a tuner learns from them
 FOREVER = 1e9  # minutes after which a search has ended that was told to end
 FEW = 4  # candidates of a population that are confirmed
 SCREENED = 48  # flights after which a validation of one may be given up
@@ -114,6 +115,7 @@ class Tuning:
         self.search_flights = 0
         self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0, Stream.VALIDATION: 0, Stream.SELECTION: 0}
         self._contenders, self._known, self._selection = Contenders(), list[Finalist](), None
+        self._cycle = 0
         self._selected_at, self._ended, self._selection_flights = -1, 0.0, settings.selection
         tuner.start(guess, scenario.space, np.random.default_rng(settings.seed))
         if state is not None:
@@ -219,24 +221,33 @@ class Tuning:
         return ledger
 
     def _select(self) -> Generator[Request, Scores, Ledger]:
-        """One round of the selection among the candidates that look best and those that the tuner recommends."""
-        selection = self._selection or Selection.begin(self._finalists(), self._selection_flights, self._known)
-        parameters = np.repeat(np.array([one.parameters for one in selection.finalists]), selection.flights_each, axis=0)
-        ledger, scores = yield from self._fly(Stream.SELECTION, parameters)
+        """One round of the selection; a tuner that learns from it recommends anew when one is left, until its flights are spent."""
+        selection = self._selection or self._begin_selection()
+        parameters, each = np.array([one.parameters for one in selection.finalists]), selection.flights_each
+        ledger, scores = yield from self._fly(Stream.SELECTION, np.repeat(parameters, each, axis=0))
+        if getattr(self.tuner, "learns_from_any", False):
+            flown = [scores.rows(slice(i, i + each)) for i in range(0, len(scores), each)]
+            self.tuner.tell(parameters, Scores.join([reported_scores(one, self.settings.goal, self.settings.caution) for one in flown]))
         self._selection = selection.after(scores, self.settings.goal)
         winner = self._selection.winner
         if winner is not None:
-            self._selection, self._selected_at = None, self.flights
-            self.best, self.validation = winner.candidate, None
+            self._selection, self._cycle = None, self._cycle + 1
             self._remember(winner)
+            if self._cycle == CYCLES or not len(self._recommended()):
+                self._cycle, self._selected_at = 0, self.flights
+                self.best, self.validation = self._known[0].candidate, None
         return ledger
 
-    def _finalists(self) -> list[Parameters]:
-        """What the selection begins with, each once."""
-        rng = np.random.default_rng((self.settings.seed, self.flights, int(Stream.SELECTION)))
-        ours, theirs = self._contenders.best(), list(recommended_by(self.tuner, FINALISTS // 2, rng))
-        mixed = [one for pair in zip(ours, theirs, strict=False) for one in pair] + ours[len(theirs) :] + theirs[len(ours) :]
-        return list({one.tobytes(): one for one in mixed}.values())[:FINALISTS]
+    def _begin_selection(self) -> Selection:
+        """Among the candidates that look best and those that the tuner recommends; then among what it recommends by what it has learnt."""
+        theirs = self._recommended()
+        candidates = theirs if self._cycle else mixed(self._contenders.best(), theirs)
+        return Selection.begin(candidates[:FINALISTS], self._selection_flights // (CYCLES if theirs else 1), self._known)
+
+    def _recommended(self) -> list[Parameters]:
+        """What the tuner recommends, the best first."""
+        rng = np.random.default_rng((self.settings.seed, self.flights, self.selection_flights, int(Stream.SELECTION)))
+        return list(recommended_by(self.tuner, FINALISTS // 2, rng))
 
     def _remember(self, flown: Finalist) -> None:
         """Keep a candidate that was flown often, if it is among the best of these."""
@@ -323,7 +334,7 @@ class Tuning:
         counts = {"flown": flown, "search_flights": self.search_flights}
         selection = None if self._selection is None else self._selection.dump()
         selecting = {"contenders": self._contenders.dump(), "selection": selection, "selected_at": self._selected_at}
-        selecting["known"] = [one.dump() for one in self._known]
+        selecting |= {"known": [one.dump() for one in self._known], "cycle": self._cycle}
         ended = {"ended": self._ended, "selection_flights": self._selection_flights}
         return {**counts, "best": best, "validation": validation, **selecting, **ended, "tuner": self.tuner.state()}
 
@@ -334,6 +345,7 @@ class Tuning:
         self.best = None if state["best"] is None else Candidate.load(state["best"])
         self.validation = None if state["validation"] is None else Validation(**state["validation"])
         self._contenders = Contenders.load(state.get("contenders", ()))
+        self._cycle = state.get("cycle", 0)
         self._known = [Finalist.load(one) for one in state.get("known", ())]
         self._selection = Selection.load(state["selection"]) if state.get("selection") else None
         self._selected_at = state.get("selected_at", self.flights if self.validation is not None else -1)

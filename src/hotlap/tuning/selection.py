@@ -42,6 +42,12 @@ def merit(flown: Scores, goal: Goal, validation_rate: float = 0.0) -> Merit:
     return validation_rate, wilson_interval(successes, len(flown))[0], completion, -cost
 
 
+def mixed(ours: Sequence[Parameters], theirs: Sequence[Parameters]) -> list[Parameters]:
+    """One of each in turn, then what is left, each once."""
+    turns = [one for pair in zip(ours, theirs, strict=False) for one in pair]
+    return list({one.tobytes(): one for one in [*turns, *ours[len(theirs) :], *theirs[len(ours) :]]}.values())
+
+
 @dataclass
 class Contenders:
     """The candidates of a search that looked best, as a list that only grows.
@@ -170,7 +176,7 @@ class Selection:
         while count > 1 and flights // rounds < count:
             count = flights // rounds
         finalists = tuple(Finalist(parameters) for parameters in unknown[:count])
-        return Selection(finalists, max(1, flights // rounds), tuple(best))._joined()
+        return _joined(Selection(finalists, max(1, flights // rounds), tuple(best)))
 
     @property
     def flights_each(self) -> int:
@@ -187,13 +193,7 @@ class Selection:
         each = self.flights_each
         flown = [one.flown(scores.rows(slice(i * each, (i + 1) * each)), goal) for i, one in enumerate(self.finalists)]
         flown.sort(key=lambda one: one.rank, reverse=True)
-        return Selection(tuple(flown[: (len(flown) + 1) // 2]), self.each_round, self.known)._joined()
-
-    def _joined(self) -> Selection:
-        """With those that are known, if it is time."""
-        if not self.known or len(self.finalists) > KNOWN:
-            return self
-        return Selection((*self.finalists, *self.known), self.each_round)
+        return _joined(Selection(tuple(flown[: (len(flown) + 1) // 2]), self.each_round, self.known))
 
     @property
     def winner(self) -> Finalist | None:
@@ -210,3 +210,10 @@ class Selection:
         """The inverse of `dump`."""
         finalists, known = (tuple(Finalist.load(one) for one in plain[name]) for name in ("finalists", "known"))
         return Selection(finalists, plain["each_round"], known)
+
+
+def _joined(selection: Selection) -> Selection:
+    """With those that are known, if it is time."""
+    if not selection.known or len(selection.finalists) > KNOWN:
+        return selection
+    return Selection((*selection.finalists, *selection.known), selection.each_round)
