@@ -104,12 +104,12 @@ def test_traces_are_flights_of_their_own_noise(study, whole):
     assert [trace["id"] for trace in whole["traces"]] == ["best", "first", "default"]
     (seed,) = {trace["seed"] for trace in whole["traces"]}
     assert seed not in study.ledger.seeds
-    for trace in whole["traces"]:
-        rows = trace["time"]["shape"][0]
+    for flown in whole["traces"]:
+        rows = flown["time"]["shape"][0]
         for name, width in {"position": 3, "attitude": 4, "rates": 3, "rotor_thrusts": 4, "command_rates": 3}.items():
-            assert trace[name]["shape"] == [rows, width]
-        assert trace["speed"]["shape"] == trace["error"]["shape"] == trace["command_thrust"]["shape"] == [rows]
-        assert set(trace["effort"]) - {"reference"} == set(trace["effort"]["reference"])
+            assert flown[name]["shape"] == [rows, width]
+        assert flown["speed"]["shape"] == flown["error"]["shape"] == flown["command_thrust"]["shape"] == [rows]
+        assert set(flown["effort"]) - {"reference"} == set(flown["effort"]["reference"])
 
 
 def test_repeats_add_up(whole):
