@@ -1,4 +1,4 @@
-"""A process that finds its plan and its kernel in the caches flies soon, if no flight fails: it loads nothing that plans, compiles equations or draws."""
+"""A process that finds plan and kernel in the caches flies soon: it loads nothing that plans, compiles equations or draws."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from hotlap.cli.main import main
 
-FLY = ["fly", "circle-34", "--flights", "2", "--first-guess", "learned", "--json"]  # no flight fails: why one does is looked for with equations
+FLY = ["fly", "circle-34", "--flights", "2", "--first-guess", "learned", "--json"]  # none fails: to find out why takes equations
 IDLE = {"casadi", "matplotlib", "sklearn", "cmaes", "IPython"}
 
 
