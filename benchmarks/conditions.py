@@ -2,8 +2,8 @@
 
 Each race is tuned once as the controller was before (no observer, no drag along the horizon) by the default tuner, and once with both. Then
 the first parameters are flown by both controllers, and the second by the controller that they were tuned with, 200 flights under each
-condition, with noise that no search has used. The margin is the thrust that is left under a condition over what the plan needs; see
-`hotlap.feasibility.margins`. Runs are kept in `--out`; the same command continues where it was interrupted.
+condition, with noise that no search has used. The margin is the thrust that is left under a condition over what the plan needs, a tenth of the rotors'
+thrust kept for turning; see `hotlap.feasibility.margins`. Runs are kept in `--out`; the same command continues where it was interrupted.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from hotlap.analysis.resumable import digest_code
 from hotlap.analysis.robustness import fly_conditions
 from hotlap.core.errors import PlanningError
 from hotlap.core.parameters import Parameters
-from hotlap.feasibility.margins import ENOUGH, margin
+from hotlap.feasibility.margins import margin
 from hotlap.files.descriptions import load_race, names
 from hotlap.files.kinds import Kind
 from hotlap.first_guess.guess import first_guess
@@ -41,6 +41,7 @@ CONDITIONS = (
     UNCHANGED,
     *parse_hold("mass=+10%, mass=+20%, mass=+30%, thrust=-15%, thrust=-25%, delay=+20ms, wind=2, wind=4, noise=x2"),
 )
+ENOUGH = 1.07  # margin from which on all must hold
 SURE = (1, 2, 4, 7)  # of the conditions: those that must hold where the margin is large enough
 FLIGHTS, FIRST_SEED = 200, 3 * 10**12  # flights under each condition; seeds that no search uses
 BEFORE, AFTER, RETUNED = "before", "offset-free", "offset-free, tuned with it"
@@ -70,7 +71,7 @@ def fly(case: Case) -> Iterator[dict[str, Any]]:
     plain, free = _with(scenario, offset_free=False), _with(scenario, offset_free=True)
     first, second = _tune(plain, world, case.seed), _tune(free, world, case.seed)
     flown = {BEFORE: (plain, first), AFTER: (free, first), RETUNED: (free, second)}
-    margins = [margin(scenario.race, scenario.reference, condition, offset_free=True).thrust for condition in CONDITIONS]
+    margins = [margin(scenario.race, scenario.reference, condition, offset_free=True).reserve for condition in CONDITIONS]
     rule = _with(scenario, offset_free=None).offset_free
     yield {
         "duration": scenario.reference.duration,
