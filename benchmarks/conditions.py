@@ -2,8 +2,8 @@
 
 Each race is tuned once as the controller was before (no observer, no drag along the horizon) by the default tuner, and once with both. Then
 the first parameters are flown by both controllers, and the second by the controller that they were tuned with, 200 flights under each
-condition, with noise that no search has used. The margin is the thrust that is left under a condition over what the plan needs, a tenth of the rotors'
-thrust kept for turning; see `hotlap.feasibility.margins`. Runs are kept in `--out`; the same command continues where it was interrupted.
+condition, with noise that no search has used. The margin is the thrust that is left under a condition over what the plan needs, a tenth of
+the rotors' thrust kept for turning; see `hotlap.feasibility.margins`. Runs are kept in `--out`; the same command continues.
 """
 
 from __future__ import annotations
