@@ -16,6 +16,7 @@ from hotlap.flight import self_check
 from hotlap.flight.fly import fly_batch
 from hotlap.flight.numbers import Numbers, best_numbers
 from hotlap.flight.registry import CONTROLLERS
+from hotlap.race.controller_kind import kind_and_solver
 from hotlap.race.controllers import ControllerKind
 from hotlap.worlds import BuiltIn
 
