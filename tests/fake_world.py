@@ -11,7 +11,7 @@ import numpy as np
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import End, Flights
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.race import JudgeSettings, Race
+from hotlap.race.race import JudgeSettings, PlanningSettings, Race
 from hotlap.race.track import Gate, Track
 from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
@@ -26,7 +26,8 @@ def make_scenario(judge: JudgeSettings | None = None, name: str = "straight") ->
     gates = tuple(Gate(position=(2.0 * (k + 1), 0.0, 1.0)) for k in range(GATES))
     track = Track(name=name, start=(0.0, 0.0, 1.0), gates=gates)
     vehicle = Quadrotor(name="box", mass=1.0, inertia=(0.01, 0.01, 0.02), arm=0.2, rotor_thrust=(0.0, 5.0), torque_ratio=0.02)
-    race = Race(name=name, track=track, vehicle=vehicle, judge=judge or JudgeSettings())
+    planning = PlanningSettings(thrust_share=0.75)
+    race = Race(name=name, track=track, vehicle=vehicle, planning=planning, judge=judge or JudgeSettings())
     rows = 701
     position = np.zeros((rows, 3))
     position[:, 0], position[:, 2] = 0.02 * np.arange(rows), 1.0

@@ -12,6 +12,8 @@ from cli import fake_hotlap
 from cli.fake_hotlap import Loud
 from fake_world import make_scenario
 from hotlap import worlds
+from hotlap.api.flying import fly
+from hotlap.api.tuning import tune
 from hotlap.race.conditions import DEFAULT_CONDITIONS
 from hotlap.study.study import Study
 
@@ -79,9 +81,17 @@ def test_a_study_remembers_what_was_asked_for_and_its_page_shows_it_again(hotlap
     assert [row["change"] for row in shown if row["asked"]] == ["steady wind of 3 m/s^2"]
     again = hotlap(*TUNE, "--json").document
     assert [row["change"] for row in again["robustness"] if row["asked"]] == ["steady wind of 3 m/s^2"], "gone on with without a word of it"
+    assert "--hold wind=3" in page.read_text(encoding="utf-8"), "the command that does it again"
     hotlap(*TUNE, "--hold", "gusts=1")
     with Study.read(here / "mine") as study:
         assert study.hold == "gusts=1"
+
+
+def test_in_python_it_is_an_argument_of_the_call(here):
+    tuned = tune(here / "straight.toml", seed=1, validation=20, out=here / "mine", hold="mass=-20%")
+    assert [row.change for row in tuned.robustness if row.asked] == ["20 % lighter"]
+    assert tuned.holds is True
+    assert fly(here / "straight.toml", hold="mass=+20%", flights=5).holds is False
 
 
 def test_what_is_asked_for_is_flown_without_a_validation_too(hotlap):

@@ -3,6 +3,7 @@ import pytest
 from hotlap.feasibility import Level, describe
 from hotlap.feasibility.race import beyond, thrust_share, unknown_latency
 from hotlap.files.descriptions import load_quadrotor, load_race, load_track
+from hotlap.race.battery import Battery
 from hotlap.race.track import Track
 
 
@@ -166,3 +167,11 @@ def test_a_plan_that_the_controller_caps_is_said_to_be():
     )
     assert findings(tight)["thrust limit caps the plan"].value == f"{0.95 * 0.9 * strong:.1f} m/s^2"
     assert "thrust limit caps the plan" not in findings(wide)
+
+
+def test_a_battery_is_said_where_there_is_one():
+    drone = load_quadrotor("hummingbird")
+    assert "battery sag" not in findings(drone)
+    assert findings(drone.model_copy(update={"battery": Battery(sag=0.15)}))["battery sag"].value == "15%"
+    counted = drone.model_copy(update={"battery": Battery(sag_per_ampere_hour=0.6, hover_current=20.0)})
+    assert findings(counted)["battery sag"].value == "20.0%", "20 A for a minute are a third of an ampere-hour"

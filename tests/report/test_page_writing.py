@@ -16,7 +16,9 @@ from hotlap.report.page.static import render_static, summary_of
 from hotlap.report.page.static_map import draw_track_map
 from hotlap.report.page.writing import DATA, REPORT, STATIC, TITLE, LiveStudy, fill, load_template, render, write_report
 from hotlap.report.scene import stage
+from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study
+from hotlap.tuning.objective import Objective
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
 
@@ -176,3 +178,18 @@ def test_a_poll_of_a_study_that_is_gone_is_one_clear_line(tmp_path):
     (tmp_path / "study.sqlite").unlink()
     with pytest.raises(StudyError, match="cannot be opened"):
         live.news(0)
+
+
+def test_what_was_asked_for_stands_first_and_is_marked(tmp_path):
+    asked = configure()
+    with Study.open(tmp_path, asked, hold="wind=3, mass=+10%") as opened:
+        opened.run(Objective(asked.scenario, AnyVehicle(), asked.metric))
+        study = read_snapshot(opened)
+    assert "--hold 'wind=3, mass=+10%'" in study.command
+    replay = replay_finished(asked, AnyVehicle(), study.best, hold=study.hold)
+    assert [one.asked for one in replay.robustness] == [False, True, True, False, False, False, False]
+    words = " ".join(read(render_static(study, replay)).words)
+    assert "asked for" in words
+    assert words.index("steady wind of 3 m/s^2") < words.index("10 % heavier") < words.index("10 % lighter")
+    html = render(study, replay)
+    assert html.count('"asked":true') == 2

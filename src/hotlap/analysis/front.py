@@ -188,3 +188,26 @@ def front(points: Iterable[Point]) -> list[Point]:
             chosen.append(point)
             most = point.standing.severity
     return chosen
+
+
+def winner(
+    race: Race, tuner: str, settings: TuningSettings, conditions: tuple[Condition, ...], points: Iterable[Point], judge: Do
+) -> Point | None:
+    """The soonest plan that stands all that was asked for in flights that it was not chosen by; with what these found.
+
+    Args:
+        race: as for `search`.
+        tuner: likewise.
+        settings: likewise; as many flights under each condition as its validation has.
+        conditions: likewise.
+        points: what was tried.
+        judge: works trials off, by keys, and gives what `judge_under_conditions` finds of each.
+    """
+    for point in sorted((point for point in points if point.holds), key=lambda point: point.lap):
+        key = f"{point.plan_settings.key}, once more"
+        trial = Trial(race, point.plan_settings, tuner, settings, parameters=point.parameters, conditions=conditions)
+        again = judge({key: trial})[key]
+        if again["severity"] >= 1.0:
+            stands = Standing(again["severity"], again["nominal"], tuple(again["rates"]), again["lap"])
+            return replace(point, lap=again["lap"], standing=stands)
+    return None

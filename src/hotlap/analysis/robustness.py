@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
+from hotlap.feasibility.margins import Margin, margin
 from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition, join_conditions
 from hotlap.reference.scenario import Scenario
 from hotlap.tuning.goal import Goal
@@ -19,6 +21,7 @@ from hotlap.tuning.under_conditions import fly_under
 from hotlap.worlds.world import World
 
 FLIGHTS = 50  # under each condition
+LOOKED_AT = 16  # of them, where they fail
 HELD = 0.95  # share of successes from which on parameters hold under a condition
 
 
@@ -30,11 +33,15 @@ class Robustness:
         condition: what is different.
         validation: flights that met the goal.
         asked: whether somebody asked for this condition; else it is one that every tuned controller is asked to bear.
+        margin: of thrust under it; None where that was not computed.
+        causes: why flights fail, the likeliest first; empty where enough succeed, or nobody asked.
     """
 
     condition: Condition
     validation: Validation
     asked: bool = False
+    margin: Margin | None = None
+    causes: tuple[Diagnosis, ...] = ()
 
     @property
     def change(self) -> str:
@@ -57,6 +64,8 @@ def check_robustness(
     as_tuned: Scores | None = None,
     asked: Sequence[Condition] = (),
     further: Sequence[Condition] = DEFAULT_CONDITIONS,
+    *,
+    explained: bool = False,
 ) -> tuple[Robustness, ...]:
     """Fly parameters as they were tuned, and under conditions; the seeds are the same under each.
 
@@ -70,6 +79,7 @@ def check_robustness(
         as_tuned: of flights without a change, with the same seeds; None: they are flown here.
         asked: conditions that somebody asked for.
         further: conditions that are flown as well.
+        explained: whether to find out why flights under a condition fail.
 
     Returns:
         The first is `UNCHANGED`, then the conditions that were asked for, then the others, each once.
@@ -79,7 +89,24 @@ def check_robustness(
     known = {} if as_tuned is None else {UNCHANGED: as_tuned}
     found = known | fly_conditions(scenario, world, parameters, seeds, [one for one in every if one not in known])
     met = {condition: int(goal.succeeded(scores).sum()) for condition, scores in found.items()}
-    return tuple(Robustness(condition, Validation(flights, met[condition]), condition in asked) for condition in every)
+    rows = (
+        Robustness(condition, Validation(flights, met[condition]), condition in asked, margin_of(scenario, condition))
+        for condition in every
+    )
+    if not explained:
+        return tuple(rows)
+    return tuple(row if row.holds else _explain(row, scenario, world, goal, parameters, seeds) for row in rows)
+
+
+def margin_of(scenario: Scenario, condition: Condition = UNCHANGED) -> Margin:
+    """What is there over what a scenario's reference needs, under a condition."""
+    return margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free)
+
+
+def _explain(row: Robustness, scenario: Scenario, world: World, goal: Goal, parameters: Parameters, seeds: NDArray[np.int64]) -> Robustness:
+    """The same with the causes of its failures."""
+    replan = None if row.condition.changes else cheap_replan(scenario)
+    return replace(row, causes=diagnose(scenario, world, parameters, seeds[:LOOKED_AT], goal, row.condition, replan=replan))
 
 
 def fly_conditions(

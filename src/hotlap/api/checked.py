@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hotlap import worlds
 from hotlap.api.asked import Asked
 from hotlap.api.first_flights import describe_flights
+from hotlap.api.held import dump_margin
 from hotlap.api.inputs import as_path, check_range, check_source
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import load as load_race
@@ -17,12 +18,14 @@ from hotlap.api.scenarios import make_ready, make_scenario
 from hotlap.core.errors import InputError, PlanningError
 from hotlap.feasibility import Finding, Level, describe
 from hotlap.feasibility.flown import describe_flown
+from hotlap.feasibility.margins import Margin, describe_margins, margins
 from hotlap.feasibility.race import describe_race
 from hotlap.files.descriptions import Description, Kind, load
 from hotlap.files.recognition import TYPES
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.track import Track
+from hotlap.reference.scenario import Scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,10 +40,12 @@ class CheckedFile(Outcome):
     Attributes:
         description: as it was read.
         findings: in the order in which one would ask.
+        margins: of thrust and rates: of a race with a plan as it is, then under conditions that cost thrust.
     """
 
     description: Description
     findings: tuple[Finding, ...]
+    margins: tuple[Margin, ...] = ()
 
     @property
     def kind(self) -> Kind:
@@ -63,7 +68,8 @@ class CheckedFile(Outcome):
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap check --json`."""
-        return {"kind": self.kind.value, "name": self.description.name, "findings": self.rows()}
+        left = [{"condition": one.condition.name, **(dump_margin(one) or {})} for one in self.margins]
+        return {"kind": self.kind.value, "name": self.description.name, "findings": self.rows(), "margins": left}
 
     def plot(self) -> Figure:
         """Nothing: a plan can be drawn.
@@ -83,7 +89,12 @@ def carry_out(asked: Asked) -> CheckedFile:
         _refuse_of_a_race(asked, "track" if isinstance(description, Track) else "quadrotor")
         return CheckedFile(description, describe(description))
     race = load_race(description, asked.controller)
-    return CheckedFile(race, tuple(_describe(race, asked)))
+    try:
+        scenario = make_scenario(race, asked)
+    except PlanningError as error:
+        return CheckedFile(race, (*describe_race(race), Finding("no plan", "none", str(error), Level.WARNING)))
+    left = margins(race, scenario.reference, offset_free=scenario.offset_free)
+    return CheckedFile(race, tuple(_describe(scenario, left, asked)), left)
 
 
 def _refuse_of_a_race(asked: Asked, kind: str) -> None:
@@ -93,18 +104,14 @@ def _refuse_of_a_race(asked: Asked, kind: str) -> None:
             raise InputError("", name, f"is of a race, not of a {kind}")
 
 
-def _describe(race: Race, asked: Asked) -> Iterator[Finding]:
+def _describe(scenario: Scenario, left: Sequence[Margin], asked: Asked) -> Iterator[Finding]:
     """What a race means: figures first, then its plan, then its flights."""
-    planned, file = asked.reference is None, "" if asked.reference is None else Path(asked.reference).name
-    try:
-        scenario = make_scenario(race, asked)
-    except PlanningError as error:
-        yield from describe_race(race)
-        yield Finding("no plan", "none", str(error), Level.WARNING)
-        return
+    race, planned = scenario.race, asked.reference is None
+    file = "" if planned else Path(asked.reference).name
     yield from describe_race(race, scenario.reference.max_speed, planned=planned)
     yield from (Finding("assumed", file, note.removeprefix(f"{asked.reference}: "), Level.NOTE) for note in scenario.notes)
     yield from describe_flown(race, scenario.reference, file)
+    yield from describe_margins(race, scenario.reference, left, planned=planned)
     if asked.flights:
         world = worlds.build("built-in")
         make_ready(world, scenario, asked.progress)

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hotlap import worlds
-from hotlap.analysis.robustness import Robustness, check_robustness
+from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose, diagnose_logs
+from hotlap.analysis.robustness import HELD, LOOKED_AT, Robustness, check_robustness
 from hotlap.api.asked import Asked
 from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_range, check_source, check_target
 from hotlap.api.outcome import Outcome
-from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, read_guess, read_parameters
+from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, planned_as, read_guess, read_parameters
 from hotlap.api.wording import percent, share
 from hotlap.core.counts import count
 from hotlap.core.parameters import Parameters
@@ -29,6 +30,7 @@ from hotlap.reference.scenario import Scenario
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal import Goal
 from hotlap.tuning.objective import Objective
+from hotlap.worlds.world import World
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,6 +54,7 @@ class FlightsResult(Outcome):
         scores: what each flight was worth.
         log: the file of the first flight; None where none was asked for.
         robustness: how many passed every gate under the conditions that were asked for, as tuned first; empty where nobody asked.
+        causes: why flights fail, the likeliest first; empty where enough of them pass every gate.
     """
 
     scenario: Scenario
@@ -61,6 +64,7 @@ class FlightsResult(Outcome):
     scores: Scores
     log: Path | None = None
     robustness: tuple[Robustness, ...] = ()
+    causes: tuple[Diagnosis, ...] = ()
 
     @property
     def complete(self) -> Validation:
@@ -92,6 +96,14 @@ class FlightsResult(Outcome):
         for text in dict.fromkeys(text for end, _, text in sorted(rows) if End(end) is not End.FINISHED):
             yield f"{ends[text]} {text}"
 
+    def commonest_end(self) -> str:
+        """How most of the flights that did not finish ended: "12 of 50 flights missed gate 3"; "" where all did."""
+        unfinished = np.array(self._endings())[self.flights.end != End.FINISHED].tolist()
+        if not unfinished:
+            return ""
+        (words, number), *_ = Counter(unfinished).most_common(1)
+        return f"{number} of {count(len(self.flights), 'flight')} {words}"
+
     def _endings(self) -> list[str]:
         """How each flight ended, in words."""
         flights, race = self.flights, self.scenario.race
@@ -118,6 +130,7 @@ class FlightsResult(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap fly --json`."""
         about = {"race": self.scenario.race.name, "world": self.world, "notes": list(self.scenario.notes)}
+        about["causes"] = [cause.dump() for cause in self.causes]
         return {**about, "robustness": [dump_robustness(one) for one in self.robustness], "holds": self.holds, "flights": self.rows()}
 
     def plot(self) -> Figure:
@@ -141,6 +154,7 @@ def carry_out(asked: Asked) -> FlightsResult:
     if isinstance(asked.parameters, str | Path) and Path(asked.parameters).is_file():
         load_parameters(asked.parameters)
     check_guess(str(asked.first_guess))
+    race = planned_as(race, asked.first_guess if asked.parameters is None else asked.parameters) if asked.reference is None else race
     conditions = read_hold(asked.hold, race, world)
     scenario = make_scenario(race, asked)
     parameters = _parameters(asked, scenario)
@@ -150,10 +164,18 @@ def carry_out(asked: Asked) -> FlightsResult:
         repeated = np.repeat(parameters[None], asked.flights, axis=0)
         flights, scores = Objective(scenario, world).fly_recorded(repeated, seeds, log=(0,))
         known = (asked.seed, asked.flights, scores, conditions, ())
-        robustness = check_robustness(scenario, world, Goal(), parameters, *known) if conditions else ()
+        robustness = check_robustness(scenario, world, Goal(), parameters, *known, explained=True) if conditions else ()
+        causes = () if scores.complete.mean() >= HELD else _why(scenario, world, parameters, flights, scores)
     if log is not None:
         write_log(log, flights.logs[0])
-    return FlightsResult(scenario, world.name, parameters, flights, scores, log, robustness)
+    return FlightsResult(scenario, world.name, parameters, flights, scores, log, robustness, causes)
+
+
+def _why(scenario: Scenario, world: World, parameters: Parameters, flights: Flights, scores: Scores) -> tuple[Diagnosis, ...]:
+    """Why flights fail: by further flights where those cost nothing, else by the log of the first."""
+    if world.takes_vehicle_parameters:
+        return diagnose(scenario, world, parameters, flights.seeds[:LOOKED_AT], replan=cheap_replan(scenario))
+    return diagnose_logs(scenario, flights, ~scores.complete)
 
 
 def _parameters(asked: Asked, scenario: Scenario) -> Parameters:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from hotlap.analysis.robustness import HELD, Robustness
 from hotlap.api.wording import percent
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError
+from hotlap.feasibility.margins import Margin
 from hotlap.race.conditions import Condition, check_conditions
 from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
@@ -45,8 +46,22 @@ def say_held(robustness: Sequence[Robustness]) -> str:
     return f"{count(len(asked), 'condition')} asked for, {'all ' * (len(asked) > 1)}held in at least {percent(HELD)} of the flights"
 
 
+def why(robustness: Sequence[Robustness]) -> Iterator[str]:
+    """A line for each condition under which flights fail: the likeliest cause, and what to do about it."""
+    yield from (f"{one.change}: {one.causes[0].words}" for one in robustness if one.causes)
+
+
+def dump_margin(margin: Margin | None) -> Mapping[str, Any] | None:
+    """As plain JSON."""
+    if margin is None:
+        return None
+    names = ("thrust", "available", "needed", "time", "place", "rates")
+    return {name: getattr(margin, name) for name in names}
+
+
 def dump_robustness(robustness: Robustness) -> Mapping[str, Any]:
     """As plain JSON."""
     (low, high), validation = robustness.validation.interval, robustness.validation
     counts = {"flights": validation.flights, "successes": validation.successes, "rate": validation.rate}
-    return {"change": robustness.change, "asked": robustness.asked, **counts, "low": low, "high": high}
+    about = {"margin": dump_margin(robustness.margin), "causes": [cause.dump() for cause in robustness.causes]}
+    return {"change": robustness.change, "asked": robustness.asked, **counts, "low": low, "high": high, **about}

@@ -24,6 +24,7 @@ from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.study.database import FILE
 from hotlap.worlds.world import World
 
+SHARE = "thrust_share"  # what parameters remember of a plan that was chosen
 TRAINING = ".json"  # what the files of training sets end with
 
 
@@ -50,7 +51,28 @@ def make_scenario(race: Race, asked: Asked, *, cache: bool = True) -> Scenario:
         scenario = prepare(race, reference, cache=cache, segments=rule)
     for note in scenario.notes:
         asked.progress.note(f"note: {note}")
+    if race.planning.free and reference is None:
+        share = f"{100 * race.thrust_share:.0f} % of the thrust (planning.thrust_share)"
+        asked.progress.note(f"note: {race.name} fixes no plan: planned with {share}; hotlap tune chooses the boldest that holds")
     return scenario
+
+
+def planned_as(race: Race, parameters: Any) -> Race:
+    """A race that fixes no plan, with the plan that was chosen when its parameters were tuned; any other race as it is.
+
+    Args:
+        race: as it was read.
+        parameters: as they were given: those of a file or a study's folder remember it.
+
+    Raises:
+        InputError: they cannot be read.
+    """
+    given = isinstance(parameters, str | Path) and str(parameters) not in NAMES and Path(parameters).suffix != TRAINING
+    if not given or not race.planning.free or not Path(parameters).exists():
+        return race
+    saved = load_parameters(parameters)
+    share = saved.provenance.get(SHARE)
+    return race.with_share(float(share)) if share is not None and saved.race == race.name else race
 
 
 def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:

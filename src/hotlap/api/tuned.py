@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 from hotlap import tuners, worlds
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
+from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, plan_of
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
-from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario
+from hotlap.api.scenarios import SHARE, check_guess, load, make_ready, make_scenario, planned_as
 from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
@@ -29,11 +30,15 @@ from hotlap.feasibility.race import loose_judge
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
 from hotlap.files.parameters_file import Remark, SavedParameters
 from hotlap.first_guess.names import LEARNED
+from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
+from hotlap.study.database import FILE
 from hotlap.study.result import Result
 from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study, new_folder
+from hotlap.study.tried_plan import TriedPlan, describe_choice
+from hotlap.tuners import Tuner
 from hotlap.tuning.goal import Goal, Quantity, parse_goal
 from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings, scenario_for
@@ -44,6 +49,7 @@ from hotlap.worlds.world import World
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from hotlap.analysis.diagnosis import Diagnosis
     from hotlap.analysis.robustness import Robustness
 
 FASTEST = "race.toml"  # written by the search for the fastest plan
@@ -67,6 +73,7 @@ class TuningResult(Outcome):
         again: the command line that flies the parameters; "" where the race has no name.
         wall_time: [s] that one waited for it, planning, compiling and the report included.
         advice: where the goal was not confirmed with a reference that was read: what of it no weights can make up for.
+        plans: that were tried before one was chosen; empty where the race fixes it.
     """
 
     scenario: Scenario
@@ -80,6 +87,7 @@ class TuningResult(Outcome):
     again: str
     wall_time: float
     advice: tuple[str, ...] = ()
+    plans: tuple[TriedPlan, ...] = ()
 
     @property
     def confirmed(self) -> bool:
@@ -95,6 +103,11 @@ class TuningResult(Outcome):
     def holds(self) -> bool | None:
         """Whether the best parameters hold under every condition that was asked for; None where nobody asked."""
         return all_held(self.robustness)
+
+    @property
+    def causes(self) -> tuple[Diagnosis, ...]:
+        """Why flights with the best parameters fail, the likeliest cause first; empty where they do not, or nothing was flown again."""
+        return self.robustness[0].causes if self.robustness else ()
 
     @property
     def values(self) -> Parameters:
@@ -117,6 +130,7 @@ class TuningResult(Outcome):
         result = self.result
         return {
             "race": f"{result.race}: {self.verdict}",
+            "plan": describe_choice(self.plans),
             "search flights": f"{result.search_flights} search flights, {result.flights} with re-flights",
             "lap time": f"lap {seconds(result.best.lap_time)}",
             "completion": f"{percent(result.best.completion)} of the gates",
@@ -147,7 +161,8 @@ class TuningResult(Outcome):
         paths = {"study": str(self.folder), "parameters": str(self.parameters), "report": None if self.report is None else str(self.report)}
         robustness = [dump_robustness(one) for one in self.robustness]
         about = {"world": self.world, "first_guess": self.first_guess, "robustness": robustness, "holds": self.holds}
-        said = {"notes": list(self.scenario.notes), "advice": list(self.advice)}
+        about["causes"] = [cause.dump() for cause in self.causes]
+        said = {"notes": list(self.scenario.notes), "advice": list(self.advice), "plans": [plan.dump() for plan in self.plans]}
         return {**self.result.dump(), "wall_time": self.wall_time, **about, **said, **paths}
 
     def plot(self) -> Figure:
@@ -161,26 +176,76 @@ class TuningResult(Outcome):
 def carry_out(asked: Asked) -> TuningResult:
     """Tune from wherever the study stands, and keep what came of it."""
     begun = time.perf_counter()
-    world, configuration = _configure(asked)
-    folder = as_path(asked.out) or new_folder(configuration.scenario.race.name)
+    job = _check(asked)
+    folder, plans, chosen = as_path(asked.out), (), False
+    if folder is not None and (folder / FILE).exists():
+        configuration, plans = _go_on(job, folder)
+    elif leaves_open(job.race, job.settings, asked):
+        folder, chosen = folder or new_folder(job.race.name), True
+        with asked.remarked("go on", out=folder):
+            configuration, plans = choose_plan(job.race, job.world, job.settings, job.configuration, folder, asked)
+    else:
+        with asked.remarked("begin again"):
+            configuration = job.configuration(job.race, job.settings)
+    folder = folder or new_folder(job.race.name)
     with (
         asked.remarked("go on", out=folder),
-        Study.open(folder, configuration, asked.command(out=None), asked.hold) as study,
+        Study.open(folder, configuration, hold=asked.hold) as study,
     ):
-        before = study.wall_time
-        result = _tune(study, world, asked)
+        study.keep_command(asked.command(out=None, hold=study.hold))
+        before = 0.0 if chosen else study.wall_time
+        result = _tune(study, job.world, asked, begun=chosen)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
-        robustness, report = _report(study, world, asked)
+        robustness, report = _report(study, job.world, asked)
         guess = begun_with(study.configuration, study.flights())
     waited, again = before + time.perf_counter() - begun, _again(asked, folder)
     scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
     hints = advice(scenario.race, scenario.reference) if told else ()
-    return TuningResult(scenario, result, world.name, guess, folder, file, report, robustness, again, waited, hints)
+    if not (chosen or plans or result.best.confirmed or result.goal == Quantity.NONE):
+        hints += advise_calmer(job.race, job.world, job.settings, job.configuration, folder, asked)
+    return TuningResult(scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans)
 
 
-def _configure(asked: Asked) -> tuple[World, Configuration]:
-    """Check everything that was asked for, the quick things first, and plan."""
+def _go_on(job: _Job, folder: Path) -> tuple[Configuration, tuple[TriedPlan, ...]]:
+    """How the race of a study that is there is tuned: where it fixes no plan, with that of the study and what is left of the budget."""
+    share, plans, race, settings = *plan_of(folder), job.race, job.settings
+    if race.planning.free and share is not None and job.asked.reference is None:
+        race = race.with_share(share)
+        others = sum(plan.flights for plan in plans if plan.share != share)
+        settings = replace(settings, budget=max(settings.budget - others, 1))
+    with job.asked.remarked("begin again"):
+        return job.configuration(race, settings), plans
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What is to be tuned, checked but for its plan.
+
+    Attributes:
+        asked: the arguments.
+        race: as it was read.
+        world: where it is flown.
+        tuner: not yet started.
+        settings: of the tuning.
+    """
+
+    asked: Asked
+    race: Race
+    world: World
+    tuner: Tuner
+    settings: TuningSettings
+
+    def configuration(self, race: Race, settings: TuningSettings) -> Configuration:
+        """Plan a race, or read its reference, and see where the search begins."""
+        scenario = scenario_for(make_scenario(race, self.asked), self.tuner)
+        name, first, rival = begin(self.asked, scenario)
+        told = (scenario, self.world.name, settings.goal.metric, self.tuner.name, settings, first)
+        return Configuration(*told, first_guess_name=name, rival=rival)
+
+
+def _check(asked: Asked) -> _Job:
+    """Check everything that was asked for, the quick things first."""
     settings = _settings(asked)
     tuner, world = tuners.build(asked.tuner), worlds.build(asked.on)
     if asked.randomise and not world.takes_vehicle_parameters:
@@ -188,16 +253,12 @@ def _configure(asked: Asked) -> tuple[World, Configuration]:
     check_source(as_path(asked.reference))
     check_guess(str(asked.first_guess or LEARNED))
     _check_folder(as_path(asked.out))
-    race = load(asked.race, asked.controller)
+    race = planned_as(load(asked.race, asked.controller), asked.first_guess)
     read_hold(asked.hold, race, world)
-    with asked.remarked("begin again"):
-        scenario = scenario_for(make_scenario(race, asked), tuner)
-    loose = loose_judge(scenario.race) if asked.reference is None else ""
+    loose = loose_judge(race) if asked.reference is None else ""
     if loose:
         asked.progress.note(f"note: {loose}")
-    name, first, rival = begin(asked, scenario)
-    kept = {"first_guess_name": name, "rival": rival}
-    return world, Configuration(scenario, world.name, settings.goal.metric, tuner.name, settings, first, **kept)
+    return _Job(asked, race, world, tuner, settings)
 
 
 def _settings(asked: Asked) -> TuningSettings:
@@ -225,12 +286,14 @@ def _check_folder(folder: Path | None) -> None:
         raise StudyError(str(folder), "", "holds a search for the fastest plan; give another folder")
 
 
-def _tune(study: Study, world: World, asked: Asked) -> Result:
-    """Tune and validate, from wherever the study stands."""
+def _tune(study: Study, world: World, asked: Asked, *, begun: bool) -> Result:
+    """Tune and validate, from wherever the study stands; begun: it was just now, when the plan was chosen."""
     configuration = study.configuration
     make_ready(world, configuration.scenario, asked.progress)
     before = study.result
-    if before is not None:
+    if begun:
+        asked.progress.note(f"note: {describe_choice(study.plans)}")
+    elif before is not None:
         asked.progress.note(f"{study.folder}: going on after {count(before.flights, 'flight')}")
     elif isinstance(world, BuiltIn):  # where flights cost nothing
         guesses = (guess for guess in (configuration.first_guess, configuration.rival) if guess is not None)
@@ -241,8 +304,7 @@ def _tune(study: Study, world: World, asked: Asked) -> Result:
     budget, flown, seconds = configuration.settings.budget, before.flights if before else 0, 60 * configuration.settings.minutes
     with asked.progress.flights(budget, flown, seconds, before.wall_time if before else 0.0) as watch:
         result = study.run(objective, watch)
-    told = describe_beginning(configuration, study.flights())
-    if told:
+    if told := describe_beginning(configuration, study.flights()) if begun or before is None else "":
         asked.progress.note(f"note: {told}")
     return result
 
@@ -267,6 +329,8 @@ def _saved(study: Study, result: Result) -> SavedParameters:
         low, high = result.validation.interval
         provenance |= {"validation_flights": result.validation.flights, "validated_rate": result.validation.rate}
         provenance |= {"validated_low": low, "validated_high": high}
+    if study.plans:
+        provenance[SHARE] = scenario.race.planning.thrust_share
     known = {key: value for key, value in provenance.items() if value is not None}
     return SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, result.best.parameters, known)
 

@@ -194,7 +194,12 @@ COMMANDS: Mapping[str, Command] = {
         "Tune the controller until the goal holds in fresh flights, validate it, and write a page. Every flight is recorded; the same\n"
         "command with --out goes on where it was interrupted. Exits with 1 when the goal was not confirmed within the budget.",
         _tune,
-        ("hotlap tune circle-34", "hotlap tune my-race.toml --budget 500 --out runs/mine", 'hotlap tune split-s --goal "mean_error<0.3"'),
+        (
+            "hotlap tune circle-34",
+            "hotlap tune my-race.toml --budget 500 --out runs/mine",
+            'hotlap tune my-race.toml --hold "mass=+-10%, wind=2"',
+            'hotlap tune split-s --goal "mean_error<0.3"',
+        ),
     ),
     "compare": Command(
         "compare tuners on equal terms",

@@ -9,24 +9,23 @@ from argparse import Namespace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from hotlap import tuners, worlds
 from hotlap.analysis.fastest import RELIABLE, fastest
 from hotlap.analysis.plan_trials import PlanSettings, judge_plan, try_plan
 from hotlap.analysis.resumable import ResumableJobs
+from hotlap.api.held import read_hold
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds
+from hotlap.cli import front
 from hotlap.cli.flying import load, make_kind_ready
 from hotlap.cli.output import facts, note, present
+from hotlap.cli.planned_race import RACE_FILE, write_planned_race
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError, PlanningError, StudyError
 from hotlap.core.success_rate import Validation
-from hotlap.core.version import __version__
-from hotlap.files.descriptions import PARAMETERS_FILE, load_race, save, save_parameters
-from hotlap.files.parameters_file import SavedParameters
+from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.study.database import FILE as STUDY
@@ -34,20 +33,9 @@ from hotlap.study.study import new_folder
 from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
-RACE_FILE = "race.toml"
 ROUNDS = 40  # of plans tried around the best so far
-FIXED = (
-    "reference",
-    "first_guess",
-    "segments",
-    "on",
-    "randomise",
-    "samples",
-    "reliability",
-    "hold",
-    "selection",
-    "minutes",
-)  # options that have no meaning here
+# options that have no meaning here
+FIXED = ("reference", "first_guess", "segments", "on", "randomise", "samples", "reliability", "selection", "minutes")
 
 
 def run(options: Namespace) -> int:
@@ -66,10 +54,14 @@ def run(options: Namespace) -> int:
         raise StudyError(str(folder), "", "is a file, not the folder of a study")
     if (folder / STUDY).exists() or ((folder / RACE_FILE).exists() and load_race(folder / RACE_FILE).name != _name(race)):
         raise StudyError(str(folder), "", "holds another study; give --out a folder of its own")
+    world = worlds.build(options.on)
+    conditions = read_hold(options.hold, race, world)
     words = ["hotlap", "tune", *options.arguments, *([] if options.out is not None else ["--out", str(folder)])]
     with remark(f"nothing is lost; go on with: {shlex.join(words)}"):
-        make_kind_ready(worlds.build(options.on), race.controller.kind)
+        make_kind_ready(world, race.controller.kind)
         jobs = ResumableJobs(folder, progress=follow_pieces, note=note)
+        if conditions:
+            return front.run(options, race, folder, jobs, (tuner, settings), conditions)
         do, judge = (partial(jobs.each, unit, work=work) for unit, work in (("plans", try_plan), ("winners", judge_plan)))
         best = fastest(race, tuner, settings, do, judge, ROUNDS)
     if best is None:
@@ -82,14 +74,11 @@ def run(options: Namespace) -> int:
 def _present(options: Namespace, race: Race, folder: Any, best: tuple[PlanSettings, dict[str, Any]], settings: TuningSettings) -> None:
     """Write the race and its parameters, and say how fast it is."""
     plan_settings, found = best
-    planned = plan_settings.applied(race).model_copy(update={"name": _name(race)})
-    save(folder / RACE_FILE, planned)
-    scenario, before = prepare(planned), _lap_before(race)
+    before = _lap_before(race)
     validation = Validation(settings.validation, round(found["rate"] * settings.validation))
     low, high = validation.interval
-    known = {"hotlap": __version__, "goal": LAP_TIME, "seed": settings.seed, "lap_time": found["lap"], "validated_rate": validation.rate}
-    values = np.array(found["parameters"])
-    save_parameters(folder / PARAMETERS_FILE, SavedParameters(planned.name, scenario.space.names, scenario.segments, values, known))
+    known = {"seed": settings.seed, "lap_time": found["lap"], "validated_rate": validation.rate}
+    written = write_planned_race(folder, race, _name(race), plan_settings, found["parameters"], known)
     document = {
         "race": race.name,
         "goal": LAP_TIME,
@@ -98,8 +87,8 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[PlanSettin
         "plan": {"v_max": plan_settings.v_max, "tolerance": plan_settings.tolerance, "thrust": plan_settings.thrust},
         "validation": {**vars(validation), "rate": validation.rate, "low": low, "high": high},
         "study": str(folder),
-        "race_file": str(folder / RACE_FILE),
-        "parameters": str(folder / PARAMETERS_FILE),
+        "race_file": str(written.race),
+        "parameters": str(written.parameters),
     }
     lines = [
         f"{race.name}: {seconds(found['lap'])}, where the race's own plan takes {seconds(before)}",
@@ -107,13 +96,13 @@ def _present(options: Namespace, race: Race, folder: Any, best: tuple[PlanSettin
             {
                 "holds in": f"{validation.successes} of {count(validation.flights, 'flight')} ({100 * low:.0f} to {100 * high:.0f} %)",
                 "plan": plan_settings.key,
-                "largest speed": f"{scenario.reference.max_speed:.1f} m/s",
-                "race": str(folder / RACE_FILE),
-                "parameters": str(folder / PARAMETERS_FILE),
+                "largest speed": f"{written.scenario.reference.max_speed:.1f} m/s",
+                "race": str(written.race),
+                "parameters": str(written.parameters),
             }
         ),
-        f"fly it again: {shlex.join(['hotlap', 'fly', str(folder / RACE_FILE), '--parameters', str(folder)])}",
-        f"a study of it, with its page: {shlex.join(['hotlap', 'tune', str(folder / RACE_FILE), '--first-guess', str(folder)])}",
+        f"fly it again: {written.again}",
+        f"a study of it, with its page: {written.study}",
     ]
     present(as_json=options.json, document=document, lines=lines)
 

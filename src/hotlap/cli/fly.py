@@ -26,6 +26,9 @@ def _lines(flown: FlightsResult) -> Iterator[Line]:
     yield known[title]
     yield from facts({label: value for label, value in known.items() if label != title})
     yield from (f"  {line}" for line in flown.ends())
+    if flown.causes:
+        yield "why flights fail, and what to try:"
+        yield from (f"  {cause.words}" for cause in flown.causes)
     if flown.robustness:
         yield "will it hold?"
         yield from show_robustness(flown.robustness)

@@ -18,6 +18,7 @@ from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError
+from hotlap.study.tried_plan import describe_choice
 from hotlap.tuning.goal import Quantity
 from hotlap.tuning.goal_forms import LAP_TIME
 
@@ -55,6 +56,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     yield Text(f"{result.race}: {tuned.verdict}", style=style)
     yield from facts(
         {
+            "plan": describe_choice(tuned.plans),
             "search flights": str(result.search_flights),
             "flights": f"{result.flights}, re-flights included",
             "chosen by": f"{count(result.selection_flights, 'flight')} more" if result.selection_flights else "",
@@ -74,4 +76,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     yield f"fly it again: {tuned.again}"
     if not tuned.confirmed and not no_goal:
         yield from tuned.advice
+        if tuned.causes:
+            yield "why flights fail, and what to try:"
+            yield from (f"  {cause.words}" for cause in tuned.causes)
         yield f"what may be in the way: {further}"

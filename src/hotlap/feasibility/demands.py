@@ -81,7 +81,7 @@ def demands(race: Race, reference: Reference) -> Demands:
     shares = needed_thrust(race.vehicle, reference) / race.vehicle.max_acceleration
     rates = np.abs(reference.rates[:rows]).max(axis=0)
     return Demands(
-        thrust_share=float(_running_mean(shares, round(HELD / period)).max()),
+        thrust_share=float(running_mean(shares, round(HELD / period)).max()),
         rotor_share=_rotor_share(race, reference),
         mean_share=float(shares.mean()),
         full_time=float((shares >= FULL).mean()),
@@ -135,11 +135,11 @@ def needed_thrust(vehicle: Quadrotor, reference: Reference) -> Floats:
 def _rotor_share(race: Race, reference: Reference) -> float:
     """Largest share of one rotor's thrust per mass that is held for `HELD` [-]; a reference's rotors push the planning model."""
     thrusts = reference.rotor_thrusts[: reference.planned_rows] / race.planning_model.mass
-    held = max(_running_mean(rotor, round(HELD / reference.period)).max() for rotor in thrusts.T)
+    held = max(running_mean(rotor, round(HELD / reference.period)).max() for rotor in thrusts.T)
     return float(held) / (race.vehicle.rotor_thrust[1] / race.vehicle.mass)
 
 
-def _running_mean(values: Floats, count: int) -> Floats:
-    """Means of so many values in a row; of all where there are fewer."""
+def running_mean(values: Floats, count: int) -> Floats:
+    """Means of so many values in a row, shape (n - count + 1,); of all where there are fewer."""
     count = max(1, min(count, len(values)))
     return np.convolve(values, np.full(count, 1 / count), mode="valid")

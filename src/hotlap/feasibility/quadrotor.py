@@ -8,6 +8,7 @@ from hotlap.feasibility.finding import Finding, Level, note_if, warning_if
 from hotlap.race.flight_performance import FASTEST, command_lag, hover_share, max_tilt, rate_damping, roll_acceleration, top_speed
 from hotlap.race.quadrotor import Quadrotor
 
+MINUTE = 60.0  # s
 SLUGGISH = 0.1  # s from a command to what it asks for; the drones of the built-in races take 0.03 to 0.1
 
 
@@ -28,6 +29,7 @@ def describe_quadrotor(quadrotor: Quadrotor) -> tuple[Finding, ...]:
         *_inertia(quadrotor),
         lag(quadrotor),
         Finding("dead time", f"{quadrotor.delay * 1e3:g} ms", "from command to rotors"),
+        *_battery(quadrotor),
     )
 
 
@@ -55,3 +57,14 @@ def _inertia(quadrotor: Quadrotor) -> list[Finding]:
         return []
     remark = "by which the largest moment exceeds the sum of the other two, as of no body: a measuring error is taken for granted"
     return [Finding("inertia", f"{quadrotor.excess_inertia:.1%}", remark, Level.NOTE)]
+
+
+def _battery(quadrotor: Quadrotor) -> list[Finding]:
+    """What the thrust loses while the battery is drawn down, where anything is said of it."""
+    hover = quadrotor.charge_sag * (quadrotor.mass * quadrotor.gravity) ** 1.5 * MINUTE
+    found = []
+    if quadrotor.sag:
+        found.append(Finding("battery sag", f"{quadrotor.sag:.0%}", "of the thrust is lost by the end of the reference"))
+    if hover:
+        found.append(Finding("battery sag", f"{hover:.1%}", "of the thrust is lost in each minute of hover, more in a race"))
+    return found

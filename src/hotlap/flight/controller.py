@@ -6,6 +6,7 @@ It runs the same compiled functions as the flights that tuned it, in float64, on
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -16,11 +17,20 @@ from numpy.typing import NDArray
 from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
 from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
-from hotlap.flight.fly import predicting, prepare, settings_of
+from hotlap.flight.fly import acting, predicting, prepare, settings_of
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers
 from hotlap.flight.numbers import COMPILE, Numbers
+from hotlap.flight.observer import (
+    DISTURBANCE,
+    EFFECTIVENESS,
+    EFFECTIVENESS_LIMITS,
+    LARGEST_DISTURBANCE,
+    VELOCITY,
+    begin_with,
+    follow_clock,
+)
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import FRESH
 from hotlap.race.controllers import ControllerKind
@@ -45,18 +55,49 @@ class Controller:
         whole = np.array(np.broadcast_to(parameters, (len(scenario.segments), scenario.space.size)), dtype=np.float64)
         self._job, _ = prepare(scenario, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
         self._settings = settings_of(scenario)._replace(stop_early=False)  # the same work at every step
-        self._dead_time = scenario.race.prediction
+        self._dead_time, self._known_delay = scenario.race.prediction, scenario.race.control_model.delay
         kind = scenario.race.controller.kind
         self._memory = CONTROLLERS[kind].allocate(self._settings.nodes, 1, np.float64)
         self._begin, self._step = _steps(kind)
-        commands = math.ceil((self._dead_time + MOST_AGE) / self._settings.period) + 2
+        commands = math.ceil((max(self._dead_time, self._known_delay) + MOST_AGE) / self._settings.period) + 2
         self._loop = allocate_control_loop(commands, 1, np.float64)
         self.reset()
 
-    def reset(self) -> None:
-        """Start anew, from hovering: forget the plan and the commands given before."""
+    def reset(self, thrust_effectiveness: float = 1.0, disturbance: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Start anew, from hovering: forget the plan, the commands given before and what was learnt.
+
+        Args:
+            thrust_effectiveness: where its estimate begins [-], 0.6 to 1.4, if it is known from hovering: thrust expected over thrust commanded.
+            disturbance: where its estimate begins, shape (3,) [m/s^2] (world), up to 12 along each axis.
+
+        Raises:
+            HotlapError: an estimate out of range, or one of a controller that is not offset-free.
+        """
+        low, high = EFFECTIVENESS_LIMITS
+        start = np.array([thrust_effectiveness, *disturbance], dtype=np.float64)
+        if not (len(start) == 4 and low <= start[0] <= high and (np.abs(start[1:]) <= LARGEST_DISTURBANCE).all()):
+            limits = f"a thrust effectiveness from {low:g} to {high:g} and three accelerations up to {LARGEST_DISTURBANCE:g} m/s^2"
+            raise HotlapError(f"estimates begin with {limits}, not {start.tolist()}")
+        if not self.is_offset_free and start.tolist() != [1.0, 0.0, 0.0, 0.0]:
+            raise HotlapError("this controller estimates nothing: controller.offset_free is off, or the plan leaves no thrust for it")
         self._piece, self._time = FRESH, -np.inf
         self._begin(self._job, self._settings, self._memory, self._loop)
+        begin_with(self._loop, start, self._settings.gravity)
+
+    @property
+    def is_offset_free(self) -> bool:
+        """Whether it estimates what its model leaves out, and makes up for it; see `Scenario.offset_free`."""
+        return self._settings.offset_free
+
+    @property
+    def thrust_effectiveness(self) -> float:
+        """Estimated thrust over the thrust that was commanded [-]; 1 where it is not estimated."""
+        return float(self._loop.estimate[EFFECTIVENESS, 0])
+
+    @property
+    def disturbance(self) -> NDArray[np.float64]:
+        """Estimated acceleration that nothing else explains, shape (3,) [m/s^2] (world); 0 where it is not estimated."""
+        return self._loop.estimate[DISTURBANCE:VELOCITY, 0].copy()
 
     def command(self, time: float, state: NDArray[np.float64], age: float = 0.0) -> NDArray[np.float64]:
         """Compute the command that is to be sent now; to be called once in every control period, in order of time.
@@ -84,7 +125,10 @@ class Controller:
         seen[:] = state[:STATE]
         seen[3:7] *= np.sign(seen[3:7] @ self._attitude(time)) or 1.0  # q and -q are one attitude; the nearer one is meant
         elapsed = min(time - self._time, 1e3)
-        settings = self._settings if age == 0 else predicting(self._settings, self._dead_time + age)
+        follow_clock(self._loop, elapsed, self._settings.period)
+        settings = self._settings
+        if age > 0:
+            settings = acting(predicting(settings, self._dead_time + age), self._known_delay + age)
         self._piece = self._step(self._job, settings, self._memory, self._loop, self._piece, float(time), float(elapsed))
         self._time = time
         return self._loop.history[0, :, 0].copy()

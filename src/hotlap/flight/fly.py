@@ -120,7 +120,7 @@ def settings_of(scenario: Scenario) -> Settings:
         sagging=False,
         duration=scenario.reference.duration,
         offset_free=scenario.offset_free,
-        corrected=scenario.offset_free or controller.reference_drag,
+        corrected=scenario.corrects_target,
         acted_periods=0,
         acted_rest=0.0,
         least_thrust=controller.thrust[0],
@@ -164,8 +164,7 @@ def prepare(
     log_rows[list(log)] = np.arange(len(log))
     last = reference.gate_times[-1] + (race.judge.window[1] if len(log) else 0.0) + AFTERWARDS
     thrust, tilt, yaw = controller.input_weights
-    corrected = scenario.offset_free or controller.reference_drag
-    table = drag_free(reference, race.control_model.gravity) if corrected else reference.table
+    table = drag_free(reference, race.control_model.gravity) if scenario.corrects_target else reference.table
     model = model_numbers(race.control_model)
     job = Job(
         table=np.ascontiguousarray(table, dtype=numbers.dtype),

@@ -49,6 +49,7 @@ EFFECTIVENESS_LIMITS = (0.6, 1.4)
 LARGEST_DISTURBANCE = 12.0  # m/s^2, along each axis
 FULL = 0.97  # share of the rotors' thrust from which on k is not learnt
 EASY = 2.0  # m/s^2, T_0: below it the thrust says little about k; a target that is weaker has no direction
+LONGEST_STEP = 2.5  # control periods, over which an observation counts
 COMMANDED = 0.9  # share of the rotors' thrust that may be commanded: all of it would leave no torque
 
 
@@ -230,3 +231,17 @@ def begin_observer(p: Any, numbers: Any, drag: Any, k: int) -> None:
         p.observer[i, k] = numbers[i]
     for i in range(len(drag)):
         p.known_drag[i, k] = drag[i]
+
+
+def begin_with(p: Any, start: Floats, gravity: float) -> None:
+    """Let the estimates of the first lane begin with known values k and d, shape (4,), for a vehicle that has been hovering with them."""
+    p.estimate[EFFECTIVENESS:VELOCITY, 0] = start
+    p.history[:, 0, 0] = gravity / start[EFFECTIVENESS]
+    p.estimate[ROOT, 0] = math.sqrt(gravity / start[EFFECTIVENESS])
+
+
+def follow_clock(p: Any, elapsed: float, period: float) -> None:
+    """Let the first lane observe over the time [s] that has passed; after a pause it begins with the velocity that it sees."""
+    p.observer[PERIOD, 0] = elapsed
+    if elapsed > LONGEST_STEP * period:
+        p.estimate[FRESH, 0] = 1

@@ -13,7 +13,6 @@ from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
 from hotlap.reference.segmentation import Segments
 
-
 LEAST_MARGIN = 1.0  # of thrust, from which on offset-free control helps
 
 
@@ -44,6 +43,13 @@ class Scenario:
         """Whether the controller estimates thrust effectiveness and disturbance: as the race says, or where the plan leaves thrust for it."""
         asked = self.race.controller.offset_free
         return self.thrust_margin >= LEAST_MARGIN if asked is None else asked
+
+    @property
+    def corrects_target(self) -> bool:
+        """Whether the controller corrects its targets, for what it estimates or for drags that its model has."""
+        model = self.race.control_model
+        has_drag = any((*model.drag, *model.body_drag, model.rotor_drag))
+        return self.offset_free or (self.race.controller.reference_drag and has_drag)
 
     @property
     def thrust_margin(self) -> float:

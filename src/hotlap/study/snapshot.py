@@ -14,6 +14,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.study.configuration import GIVEN, Configuration
 from hotlap.study.result import Result
 from hotlap.study.study import Study
+from hotlap.study.tried_plan import TriedPlan, describe_choice
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Snapshot:
         openings: when it was worked on, with the versions of what worked.
         command: that began it.
         hold: conditions that its result is to hold under, as they were asked for.
+        plans: that were tried before one was chosen; empty where the race fixes it.
     """
 
     folder: Path
@@ -39,6 +41,13 @@ class Snapshot:
     openings: tuple[tuple[str, Mapping[str, str]], ...]
     command: str
     hold: str = ""
+    plans: tuple[TriedPlan, ...] = ()
+
+    @property
+    def remark(self) -> str:
+        """Which plan was chosen, where one was, and the tuner's own remark."""
+        told = describe_choice(self.plans), "" if self.result is None else self.result.remark
+        return ". ".join(part for part in told if part)
 
     @property
     def best(self) -> Parameters:
@@ -58,16 +67,18 @@ def read_snapshot(study: Study) -> Snapshot:
             finished=tuning.best is not None and tuning.done,
             ledger=study.flights(),
             openings=tuple(study.openings),
-            command=study.command or _rebuild(configuration),
+            command=study.command or _rebuild(configuration, study.hold),
             hold=study.hold,
+            plans=tuple(study.plans),
         )
 
 
-def _rebuild(configuration: Configuration) -> str:
+def _rebuild(configuration: Configuration, hold: str) -> str:
     """A command that does the same, for a study that was begun by a program; what a command cannot say is left out."""
     settings = configuration.settings
     words = ["hotlap", "tune", configuration.scenario.race.name, "--tuner", configuration.tuner, "--goal", str(settings.goal)]
     words += ["--budget", str(settings.budget), "--seed", str(settings.seed)]
+    words += ["--hold", hold] if hold else []
     name = "default" if begins_at_default(configuration) else configuration.first_guess_name
     return shlex.join(words if name == GIVEN or configuration.rival is not None else [*words, "--first-guess", name])
 

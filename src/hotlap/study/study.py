@@ -10,7 +10,7 @@ import json
 import platform
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from datetime import datetime
@@ -29,6 +29,7 @@ from hotlap.study.configuration import Configuration, first_difference, load_con
 from hotlap.study.database import FILE, Database
 from hotlap.study.increments import grow, increment
 from hotlap.study.result import Result
+from hotlap.study.tried_plan import TriedPlan
 from hotlap.tuners.tuner import remark_of
 from hotlap.tuning.loop import Batch, Tuning, tune
 from hotlap.tuning.objective import Objective
@@ -85,8 +86,7 @@ class Study:
                 study._create(configuration)
             else:
                 study._continue(configuration)
-            if command and command != study.command:
-                study._enter("command", command)
+            study.keep_command(command)
             if hold:
                 study._enter("hold", hold)
         return study
@@ -158,10 +158,25 @@ class Study:
         """The command that does the same again; "" where it was not kept."""
         return self._entry("command") or ""
 
+    def keep_command(self, command: str) -> None:
+        """Keep the command that does the same again; "" leaves that of before."""
+        if command and command != self.command:
+            self._enter("command", command)
+
     @property
     def hold(self) -> str:
         """Conditions that the result is to hold under, as they were asked for; "" where nobody asked."""
         return self._entry("hold") or ""
+
+    @property
+    def plans(self) -> list[TriedPlan]:
+        """The plans that were tried before this one was chosen, this one among them, in the order tried; empty where the race fixes it."""
+        return [TriedPlan.load(plain) for plain in json.loads(self._entry("plans") or "[]")]
+
+    def record_plans(self, plans: Sequence[TriedPlan]) -> None:
+        """Keep which plans were tried."""
+        with self._transaction():
+            self._enter("plans", json.dumps([plan.dump() for plan in plans], allow_nan=False))
 
     @property
     def openings(self) -> list[tuple[str, dict[str, str]]]:

@@ -89,7 +89,8 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "confirm": settings.confirm,
         "validation": None if result is None or result.validation is None else _validation(result.validation),
         "wall_time": None if result is None else number(result.wall_time),
-        "remark": "" if result is None else result.remark,
+        "remark": snapshot.remark,
+        "plans": [plan.dump() for plan in snapshot.plans],
     }
 
 
@@ -99,7 +100,14 @@ def _validation(validation: Validation) -> dict[str, Any]:
 
 
 def _robustness(robustness: Robustness) -> dict[str, Any]:
-    return {"change": robustness.change, "asked": robustness.asked, **_validation(robustness.validation)}
+    return {"change": robustness.change, "asked": robustness.asked, **_validation(robustness.validation), **_reasons(robustness)}
+
+
+def _reasons(robustness: Robustness) -> dict[str, Any]:
+    """What is left of the thrust under a condition, and why flights fail."""
+    margin = robustness.margin
+    left = None if margin is None else {"thrust": margin.thrust, "rates": margin.rates, "place": margin.place}
+    return {"margin": left, "causes": [cause.dump() for cause in robustness.causes]}
 
 
 def _flights(snapshot: Snapshot) -> dict[str, Any]:

@@ -124,7 +124,7 @@ def replay_finished(
     asked = parse_hold(hold)
     if world.takes_vehicle_parameters and (asked or (not slow if robustness is None else robustness)):
         as_tuned = score(flown, scenario.race.judge).rows(slice(0, FLIGHTS))  # the best come first
-        checked = check_robustness(scenario, world, settings.goal, best, settings.seed, FLIGHTS, as_tuned, asked)
+        checked = check_robustness(scenario, world, settings.goal, best, settings.seed, FLIGHTS, as_tuned, asked, explained=not slow)
     sensitivity = None if slow else survey_sensitivity(scenario, world, best, settings.seed)
     scene = _stage(scenario, flown, sets)
     return Replay(scene, _efforts(scene, scenario), sensitivity, checked)

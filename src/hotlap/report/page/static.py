@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from hotlap.analysis.robustness import Robustness
 from hotlap.core.counts import count
 from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.report.markup import element, facts, paragraph, table, text
@@ -108,7 +109,7 @@ def _facts(snapshot: Snapshot) -> dict[str, object]:
         "seed": settings.seed,
         "flights": "" if result is None else f"{result.flights} of at most {settings.budget}, re-flights included",
         "wall time": "" if result is None else f"{result.wall_time:.1f} s",
-        "remark": "" if result is None else result.remark,
+        "remark": snapshot.remark,
         "world": asked.world,
         "fingerprint": asked.fingerprint,
     }
@@ -125,9 +126,19 @@ def _tables(snapshot: Snapshot, replay: Replay | None) -> Iterator[str]:
         numbers=(1,),
     )
     if replay.robustness:
-        rows = [(one.change, share(one.validation.successes, one.validation.flights), "yes" * one.asked) for one in replay.robustness]
-        heads = ("condition", "success rate", "asked for")[: 3 if snapshot.hold else 2]
-        yield element("h2", "Robustness: the tuned parameters under other conditions") + table(heads, [row[: len(heads)] for row in rows])
+        yield element("h2", "Robustness: the tuned parameters under other conditions") + _robustness(
+            replay.robustness, asked=bool(snapshot.hold)
+        )
+
+
+def _robustness(robustness: Sequence[Robustness], *, asked: bool) -> str:
+    """A row for each condition: success rate, what is left of the thrust, and why flights fail."""
+    heads = ("condition", "success rate", "thrust over what is needed", "why flights fail, and what to try", *["asked for"] * asked)
+    rows = []
+    for one in robustness:
+        thrust, why = "" if one.margin is None else one.margin.figure, one.causes[0].words if one.causes else ""
+        rows.append((one.change, share(one.validation.successes, one.validation.flights), thrust, why, *["yes" * one.asked] * asked))
+    return table(heads, rows)
 
 
 def _parameters(snapshot: Snapshot) -> str:

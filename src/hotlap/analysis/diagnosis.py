@@ -1,0 +1,211 @@
+"""Diagnosis: why parameters fail, found in the logs of flights that failed, and proved by flights without the cause."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.core.errors import PlanningError
+from hotlap.core.parameters import Parameters
+from hotlap.core.records import Flights
+from hotlap.core.success_rate import Validation
+from hotlap.feasibility.causes import SYMPTOMS, Case, Cure, FailureCause, Suspicion, suspect
+from hotlap.feasibility.margins import margin
+from hotlap.feasibility.signs import Signs, signs_of
+from hotlap.planning.preparation import prepare
+from hotlap.race.conditions import UNCHANGED, Condition
+from hotlap.race.race import Race
+from hotlap.reference.scenario import Scenario
+from hotlap.tuning.goal import Goal
+from hotlap.tuning.scoring import score
+from hotlap.worlds.world import World
+
+MOST = 3  # causes that are told
+FLIGHTS = 12  # of each trial
+HELPS = 0.25  # share of the flights by which a trial has to be better
+CHEAP = 5.0  # s of planning
+ALIKE = 0.1  # difference of two shares that says little
+
+Replan = Callable[[Race], Scenario]
+
+
+def cheap_replan(scenario: Scenario) -> Replan | None:
+    """What plans a race like the scenario's anew; None where its reference was read, or planning takes long."""
+    return prepare if 0 < scenario.reference.cpu_time < CHEAP else None
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """A cause of failures, and what to do about it.
+
+    Attributes:
+        cause: why flights fail.
+        found: by which sign, in words.
+        advice: what to do, in words.
+        tried: flights without the cause that met the goal; None where that was not flown.
+        supposed: what was only supposed in these flights, in words; "" where the advice itself was flown.
+    """
+
+    cause: FailureCause
+    found: str
+    advice: str
+    tried: Validation | None = None
+    supposed: str = ""
+
+    @property
+    def untried(self) -> Diagnosis:
+        """The same without its trial."""
+        return replace(self, tried=None, supposed="")
+
+    @property
+    def rate(self) -> float:
+        """Share of the flights without the cause that met the goal [-]; -1 where that was not flown."""
+        return -1.0 if self.tried is None else self.tried.rate
+
+    @property
+    def words(self) -> str:
+        """In one line."""
+        return f"{self.cause}: {self.found}; {self.advice}{self.proof}"
+
+    @property
+    def proof(self) -> str:
+        """What the trial gave, in words."""
+        if self.tried is None:
+            return ""
+        supposed = f"{self.supposed}, " if self.supposed else ""
+        return f" ({supposed}{self.tried.successes} of {self.tried.flights} flights hold)"
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON."""
+        tried = None if self.tried is None else {"flights": self.tried.flights, "successes": self.tried.successes}
+        return {"cause": str(self.cause), "found": self.found, "advice": self.advice, "tried": tried, "supposed": self.supposed}
+
+
+def diagnose(
+    scenario: Scenario,
+    world: World,
+    parameters: Parameters,
+    seeds: NDArray[np.int64],
+    goal: Goal | None = None,
+    condition: Condition = UNCHANGED,
+    *,
+    replan: Replan | None = None,
+) -> tuple[Diagnosis, ...]:
+    """Why parameters fail, the likeliest cause first, at most three; none where they do not fail.
+
+    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless nothing does.
+
+    Args:
+        scenario: that is flown.
+        world: one that takes vehicle parameters for each flight.
+        parameters: shape (S, K).
+        seeds: of the flights, shape (B,); a dozen are enough.
+        goal: what counts as a success; None: all gates.
+        condition: under which they are flown.
+        replan: plans a race anew; None: no other plan is tried.
+    """
+    trial = _Trial(scenario, world, parameters, seeds, goal or Goal(), replan)
+    case = trial.case(condition)
+    if case is None:
+        return ()
+    before, suspicions = 1 - float(case.failed.mean()), suspect(case)
+    tested = [trial.test(suspicion, before) for suspicion in suspicions]
+    proved = [one for one in tested if one.rate >= before + HELPS]
+    certain = [one if one in proved else one.untried for one, suspicion in zip(tested, suspicions, strict=True) if suspicion.certain]
+    roots = sorted((one for one in proved if one.cause not in SYMPTOMS and one not in certain), key=lambda one: -one.rate)
+    told = _each_once(without_symptoms([*certain, *roots, *(one for one in proved if one.cause in SYMPTOMS)]))
+    if told:
+        return tuple(told[:MOST])
+    return tuple(one.untried for one in tested if one.tried is None)[:MOST] or tuple(one.untried for one in tested[:1])
+
+
+def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
+    """Causes without those symptoms that vanish with another cause as well.
+
+    Args:
+        diagnoses: each with the flights of its trial.
+    """
+    best = max((one.rate for one in diagnoses if one.cause not in SYMPTOMS), default=-1.0)
+    return [one for one in diagnoses if one.cause not in SYMPTOMS or one.rate > best + ALIKE]
+
+
+def _each_once(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
+    """Those whose advice none before them has given."""
+    return [one for i, one in enumerate(diagnoses) if one.advice not in {before.advice for before in diagnoses[:i]}]
+
+
+def diagnose_logs(
+    scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition = UNCHANGED
+) -> tuple[Diagnosis, ...]:
+    """The same from the logs that there are, where no further flight is to be flown.
+
+    Args:
+        scenario: that was flown.
+        flights: with the logs of some.
+        failed: shape (B,) which of them failed.
+        condition: under which they were flown.
+    """
+    case = _case(scenario, flights, failed, condition, true=False)
+    if case is None:
+        return ()
+    return tuple(Diagnosis(one.cause, one.found, one.cures[0].advice) for one in suspect(case)[:MOST])
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """Flights of the same parameters with the same seeds, as they are and without a cause."""
+
+    scenario: Scenario
+    world: World
+    parameters: Parameters
+    seeds: NDArray[np.int64]
+    goal: Goal
+    replan: Replan | None
+
+    def case(self, condition: Condition) -> Case | None:
+        """What failed, with the logs of some; None where nothing did."""
+        race = self.scenario.race
+        noisy = replace(self.scenario, race=race.model_copy(update={"noise": condition.noise(race.noise)}))
+        row = Case.row(self.scenario, condition)
+        flights = self._fly(noisy, row, self.seeds, log=len(self.seeds))
+        return _case(self.scenario, flights, ~self._succeeded(noisy, flights), condition)
+
+    def test(self, suspicion: Suspicion, before: float) -> Diagnosis:
+        """A suspicion with the first of its cures that helps, or the first."""
+        tried = [(cure, self._try(cure)) for cure in suspicion.cures]
+        best = next((both for both in tried if both[1] is not None and both[1].rate >= before + HELPS), tried[0])
+        return Diagnosis(suspicion.cause, suspicion.found, best[0].advice, best[1], best[0].supposed)
+
+    def _try(self, cure: Cure) -> Validation | None:
+        """How many flights meet the goal with a cure; None where it cannot be flown."""
+        scenario = replace(self.scenario, race=cure.race)
+        if cure.replanned:
+            try:
+                scenario = scenario if self.replan is None else self.replan(cure.race)
+            except PlanningError:
+                return None
+            if self.replan is None or len(scenario.segments) != len(self.scenario.segments):
+                return None
+        flights = self._fly(scenario, cure.vehicle_parameters, self.seeds[:FLIGHTS])
+        return Validation(len(flights), int(self._succeeded(scenario, flights).sum()))
+
+    def _succeeded(self, scenario: Scenario, flights: Flights) -> NDArray[np.bool_]:
+        return self.goal.succeeded(score(flights, scenario.race.judge))
+
+    def _fly(self, scenario: Scenario, row: NDArray[np.float64], seeds: NDArray[np.int64], log: int = 0) -> Flights:
+        repeated, rows = np.repeat(self.parameters[None], len(seeds), axis=0), np.repeat(row[None], len(seeds), axis=0)
+        return self.world.fly(scenario, repeated, seeds, vehicle_parameters=rows, log=range(log))
+
+
+def _case(scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition, *, true: bool = True) -> Case | None:
+    """What is known of flights that failed, from the logs that there are; None where there are none of any use."""
+    read = [signs_of(scenario, log, float(flights.end_time[i])) for i, log in flights.logs.items() if failed[i]]
+    signs = [one for one in read if one is not None]
+    if not signs:
+        return None
+    left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free)
+    return Case(scenario, Signs.median(signs), left, flights, failed, condition, true)

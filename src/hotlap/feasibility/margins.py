@@ -1,0 +1,236 @@
+"""Margin: what thrust and body rates a vehicle can give, over what a reference needs of them, under any condition.
+
+The controller's model has the mass m, the vehicle has the mass m_v: a command T accelerates by k T, where k = m / m_v is the thrust
+effectiveness. With R the thrust of all rotors per m, and L the controller's thrust limit, what the controller can give is
+
+    k min(L, R)                              of a controller that does not know k,
+    min(L, k min(max(L, 0.9 R), R))          of one that estimates it: it may command more than L, but leaves the rotors a tenth for torque.
+
+What is needed is |T z - d|, of the reference's thrust T along its axis z, with the drags that were planned with, and the wind's
+acceleration d in its worst horizontal direction.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.feasibility.demands import HELD, running_mean
+from hotlap.feasibility.finding import Finding, note_if
+from hotlap.race.battery import MOST_LOST
+from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition
+from hotlap.race.race import Race
+from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, vehicle_parameters_of
+from hotlap.reference.attitude import thrust_axis
+from hotlap.reference.reference import Reference
+
+ENOUGH = 1.07  # margin from which on flights hold whose controller knows its thrust; measured, see docs/margin.md
+FOR_TORQUE = 0.9  # of the rotors' thrust: all of it leaves none to turn with
+AT_GATE = 0.15  # s around its time
+SAME = 0.005  # difference of two margins that says nothing
+ALL = 0.999  # of the rates
+HOVERING = 1.15  # thrust-to-weight below which a plan makes no sense
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Margin:
+    """What is there over what a reference needs, where that is least.
+
+    Attributes:
+        condition: under which.
+        available: [m/s^2] thrust per mass that the vehicle can give there.
+        needed: [m/s^2] that the reference needs there, for 0.1 s.
+        time: [s] of that moment.
+        place: the same in words: "at gate 3".
+        rates: body rates that the controller may command over those of the reference, of the axis with the least left [-].
+        passing: whether that is so for a while alone: in the worst direction of a wind, or at the end of a battery.
+        limit: [m/s^2] `controller.thrust` that would leave enough, where the rotors have it; None where they have not.
+    """
+
+    condition: Condition
+    available: float
+    needed: float
+    time: float
+    place: str
+    rates: float
+    passing: bool = False
+    limit: float | None = None
+
+    @property
+    def thrust(self) -> float:
+        """Thrust that is there over thrust that is needed [-]."""
+        return self.available / self.needed
+
+    @property
+    def lacking(self) -> bool:
+        """Whether the thrust does not suffice, and not for a while alone: no weights help."""
+        return self.thrust < 1 and not self.passing
+
+    @property
+    def enough(self) -> bool:
+        """Whether thrust is left to correct with."""
+        return self.thrust >= ENOUGH
+
+    @property
+    def figure(self) -> str:
+        """The share of thrust in two digits, never rounded up."""
+        return f"{math.floor(100 * self.thrust + 1e-9) / 100:.2f}"
+
+
+def margin(race: Race, reference: Reference, condition: Condition = UNCHANGED, *, offset_free: bool = False) -> Margin:
+    """What a vehicle can give over what a reference needs, under a condition.
+
+    Steady wind counts in its worst direction, gusts with their standard deviation, a battery's sag with what it has taken by then.
+
+    Args:
+        race: its vehicle and noise, the control model and the limits of its controller count.
+        reference: planned or read.
+        condition: what is different from the race.
+        offset_free: whether the controller estimates its thrust and what pushes it.
+    """
+    noise, vehicle = condition.noise(race.noise), _by_name(condition.vehicle_parameters(vehicle_parameters_of(race.vehicle)))
+    wind, steps = noise.steady_wind + noise.wind, round(HELD / reference.period)
+    needed = needed_thrust(reference, wind)
+    left = running_mean(1 - _lost(vehicle, needed, reference.period), steps)
+    needed = running_mean(needed, steps)
+    effectiveness, rotors = left * race.control_model.mass / vehicle["mass"], 4 * vehicle["rotor_thrust_max"] / race.control_model.mass
+    available = _available(race.controller.thrust[1], rotors, effectiveness, offset_free=offset_free)
+    worst = int((available / needed).argmin())
+    time = (worst + 0.5 * (reference.planned_rows - len(needed))) * reference.period
+    limit, share = ENOUGH * float(needed[worst]), float(effectiveness[worst])
+    limit = limit if offset_free and share * FOR_TORQUE * rotors >= limit else limit / min(share, 1.0)
+    passing = bool(wind > 0 or left[-1] < left[0])
+    place, rates, known = place_of(race, reference, time), _rates(race, reference), limit if limit <= rotors else None
+    return Margin(condition, float(available[worst]), float(needed[worst]), time, place, rates, passing, known)
+
+
+def needed_thrust(reference: Reference, wind: float = 0.0) -> Floats:
+    """Thrust per mass that each planned row needs in the worst horizontal wind, shape (rows,) [m/s^2].
+
+    Args:
+        reference: planned or read.
+        wind: [m/s^2] acceleration.
+    """
+    rows = slice(0, reference.planned_rows)
+    vectors = thrust_axis(reference.attitude[rows]) * reference.thrust[rows, None]
+    return np.hypot(np.linalg.norm(vectors[:, :2], axis=1) + wind, vectors[:, 2])
+
+
+def share_with_margin(race: Race, reference: Reference, found: Margin) -> float | None:
+    """About the `planning.thrust_share` whose plan leaves enough; None where none does, or the race does not plan by a share.
+
+    What the plan itself takes is scaled; what the wind adds stays.
+
+    Args:
+        race: whose plan it is.
+        reference: the plan.
+        found: its margin.
+    """
+    if race.planning.quadrotor is not None:
+        return None
+    planned = float(running_mean(reference.thrust[: reference.planned_rows], round(HELD / reference.period)).max())
+    wanted = found.available / ENOUGH - (found.needed - planned)
+    most = race.control_model.max_acceleration
+    share = math.floor(100 * wanted / planned * race.planning_model.max_acceleration / most) / 100
+    return share if share * most > HOVERING * race.control_model.gravity else None
+
+
+def explain(race: Race, reference: Reference, found: Margin, *, planned: bool = True) -> str:
+    """What a margin means and what would help, in words; "" where enough is left.
+
+    Args:
+        race: that is flown.
+        reference: whose margin it is.
+        found: the margin.
+        planned: whether the reference was planned; a plan for less thrust can take its place.
+    """
+    if found.enough:
+        return ""
+    verdict = "no weights will help" if found.lacking else "hardly any is left to correct with"
+    verdict = "for a while less than that is there" if found.thrust < 1 and found.passing else verdict
+    cure = help_with(race, reference, found, planned=planned)
+    return f"{found.figure} of the thrust that is needed {found.place}: {verdict}; {cure}"
+
+
+def help_with(race: Race, reference: Reference, found: Margin, *, planned: bool = True) -> str:
+    """What would leave enough thrust, in words; arguments as for `explain`."""
+    capped = planned and race.planning_model.max_acceleration > 0.94 * race.controller.thrust[1]  # a higher limit makes a bolder plan
+    if found.limit is not None and not capped:
+        return f"controller.thrust = [{race.controller.thrust[0]:g}, {math.ceil(10 * found.limit) / 10:g}] would: the rotors have it"
+    share = share_with_margin(race, reference, found) if planned else None
+    if share is not None:
+        return f"planning.thrust_share = {share:g} would, about"
+    if planned and race.planning.quadrotor is None:
+        return "no plan would: the vehicle is too weak"
+    return f"{'a plan' if planned else 'a reference'} that takes at most {found.available / ENOUGH:.1f} m/s^2 would"
+
+
+def margins(race: Race, reference: Reference, *, offset_free: bool = False) -> tuple[Margin, ...]:
+    """Margins as the race is, then under those conditions that every controller is asked to bear and that cost thrust.
+
+    Args:
+        race: that is flown.
+        reference: planned or read.
+        offset_free: whether the controller estimates its thrust and what pushes it.
+    """
+    found = [margin(race, reference, condition, offset_free=offset_free) for condition in (UNCHANGED, *DEFAULT_CONDITIONS)]
+    return tuple(one for one in found if one is found[0] or one.thrust < found[0].thrust - SAME)
+
+
+def describe_margins(race: Race, reference: Reference, found: Sequence[Margin], *, planned: bool = True) -> Iterator[Finding]:
+    """What is left of thrust and rates.
+
+    Args:
+        race: that is flown.
+        reference: planned or read.
+        found: from `margins`.
+        planned: whether it was planned.
+    """
+    for one in found:
+        remark = explain(race, reference, one, planned=planned) or f"of the thrust that is needed, {one.place}"
+        yield Finding(f"- {one.condition.name}" if one.condition.changes else "thrust left", one.figure, remark, note_if(not one.enough))
+    rates, tight = found[0].rates, found[0].rates < ALL
+    remark = f"of the body rates that are needed{'; raise controller.rates' * tight}"
+    yield Finding("rates left", f"{rates:.2f}", remark, note_if(tight))
+
+
+def place_of(race: Race, reference: Reference, time: float) -> str:
+    """Where on the track a moment is, in words: "at gate 2", "between gate 2 and gate 3"."""
+    names = [point.name for point in race.track.route if point.counts]
+    nearest = int(np.abs(reference.gate_times - time).argmin())
+    if abs(reference.gate_times[nearest] - time) <= AT_GATE:
+        return f"at {names[nearest]}"
+    passed = int((reference.gate_times < time).sum())
+    if passed == 0:
+        return f"before {names[0]}"
+    return f"after {names[-1]}" if passed == len(names) else f"between {names[passed - 1]} and {names[passed]}"
+
+
+def _available(limit: float, rotors: float, effectiveness: Floats, *, offset_free: bool) -> Floats:
+    """Thrust per mass [m/s^2] that controller and rotors together can give, for each thrust effectiveness, shape (rows,)."""
+    if offset_free:
+        return np.minimum(limit, effectiveness * min(max(limit, FOR_TORQUE * rotors), rotors))
+    return effectiveness * min(limit, rotors)
+
+
+def _lost(vehicle: Mapping[str, float], needed: Floats, period: float) -> Floats:
+    """Share of the thrust that the battery has lost by each row where it gives what is needed, shape (rows,); see `race.battery`."""
+    drawn = period * np.cumsum((vehicle["mass"] * needed) ** 1.5)
+    return np.minimum(vehicle["sag"] * np.linspace(0, 1, len(needed)) + vehicle["charge_sag"] * drawn, MOST_LOST)
+
+
+def _by_name(vehicle_parameters: Floats) -> Mapping[str, float]:
+    """The physical parameters of one vehicle, shape (P,), by their names."""
+    return dict(zip(VEHICLE_PARAMETERS, vehicle_parameters.tolist(), strict=True))
+
+
+def _rates(race: Race, reference: Reference) -> float:
+    """Rates that the controller may command over those of the reference, of the axis with the least left [-]."""
+    largest = np.abs(reference.rates[: reference.planned_rows]).max(axis=0)
+    return float((np.array(race.controller.rates) / np.maximum(largest, 1e-9)).min())

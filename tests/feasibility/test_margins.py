@@ -1,0 +1,121 @@
+"""What is left of thrust and rates over what a reference needs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flight.scenarios import make_race, make_reference
+from hotlap.feasibility.finding import Level
+from hotlap.feasibility.margins import ENOUGH, describe_margins, explain, margin, margins, needed_thrust, place_of, share_with_margin
+from hotlap.planning import plan
+from hotlap.race.hold import parse_hold
+from planning import small
+
+REFERENCE = make_reference()
+ROTORS = 4 * 6.0 / 0.716  # m/s^2 of the hummingbird
+
+
+def under(hold: str, *, offset_free: bool = False, thrust: float = 20.0, **changes):
+    race = make_race(controller={"thrust": (0.1, thrust)}, **changes)
+    conditions = parse_hold(hold)
+    return margin(race, REFERENCE, *conditions, offset_free=offset_free)
+
+
+def test_a_margin_is_the_thrust_limit_over_the_largest_thrust_that_is_held():
+    found = under("")
+    assert found.available == pytest.approx(20.0)
+    assert found.needed == pytest.approx(REFERENCE.thrust[: REFERENCE.planned_rows].max(), rel=0.01)
+    assert found.thrust == found.available / found.needed
+
+
+def test_rotors_that_give_less_than_the_controller_may_command_decide():
+    assert under("", thrust=60.0).available == pytest.approx(ROTORS, rel=0.01)
+
+
+def test_a_command_does_less_for_a_heavier_drone_and_one_that_is_estimated_makes_up_for_it():
+    assert under("mass=+25%").available == pytest.approx(20.0 / 1.25)
+    assert under("mass=+25%", offset_free=True).available == pytest.approx(20.0)
+    assert under("thrust=-50%", offset_free=True).available == pytest.approx(0.45 * ROTORS, rel=0.01)  # a tenth is for torque
+    assert under("mass=-20%").available == pytest.approx(25.0)
+    assert under("mass=-20%", offset_free=True).available == pytest.approx(20.0)
+
+
+def test_wind_is_needed_in_its_worst_direction_and_proves_nothing():
+    calm, blown = under(""), under("wind=4")
+    assert calm.needed < blown.needed <= calm.needed + 4
+    assert under("gusts=4").needed == blown.needed
+    weak = under("wind=4 & thrust=-15%", thrust=15.0)
+    assert weak.thrust < 1
+    assert not weak.lacking
+    assert under("thrust=-15%", thrust=15.0).lacking
+
+
+def test_a_battery_sags_towards_the_end():
+    fresh, empty = under(""), under("sag=20%")
+    assert empty.available == pytest.approx(0.8 * fresh.available, rel=0.02)
+    assert empty.time > 0.9 * REFERENCE.duration
+
+
+def test_needed_thrust_is_the_reference_s_own():
+    assert np.allclose(needed_thrust(REFERENCE), REFERENCE.thrust[: REFERENCE.planned_rows])
+
+
+def test_places_are_told_by_gates():
+    race, (first, second, *_, last) = make_race(), REFERENCE.gate_times.tolist()
+    assert place_of(race, REFERENCE, 0.1) == "before gate 1"
+    assert place_of(race, REFERENCE, first - 0.1) == "at gate 1"
+    assert place_of(race, REFERENCE, (first + second) / 2) == "between gate 1 and gate 2"
+    assert place_of(race, REFERENCE, last + 0.5) == "after gate 5"
+
+
+def test_words_say_that_nothing_helps_or_that_hardly_any_is_left_or_nothing():
+    race = make_race(controller={"thrust": (0.1, 16.0)})
+    said = [explain(race, REFERENCE, margin(race, REFERENCE, *parse_hold(hold)), planned=False) for hold in ("mass=+30%", "mass=+10%", "")]
+    assert "0.88 of the thrust" in said[0]
+    assert "no weights will help; controller.thrust = [0.1, 19.4]" in said[0]
+    assert "hardly any" in said[1]
+    assert said[2] == ""
+
+
+def test_the_limit_that_is_named_leaves_enough():
+    race = make_race(controller={"thrust": (0.1, 16.0)})
+    for offset_free in (False, True):
+        found = margin(race, REFERENCE, *parse_hold("mass=+30%"), offset_free=offset_free)
+        raised = make_race(controller={"thrust": (0.1, found.limit)})
+        assert margin(raised, REFERENCE, *parse_hold("mass=+30%"), offset_free=offset_free).thrust == pytest.approx(ENOUGH, rel=0.01)
+
+
+@pytest.mark.check
+def test_the_share_that_is_named_leaves_enough_as_planned():
+    race = small.FULL["at once"]
+    planning = race.planning.model_copy(update={"quadrotor": None, "thrust_share": 0.6})
+    race = race.model_copy(update={"planning": planning, "controller": race.controller.model_copy(update={"thrust": (0.1, 33.0)})})
+    heavier = parse_hold("mass=+60%")
+    reference = plan(race)
+    found = margin(race, reference, *heavier)
+    share = share_with_margin(race, reference, found)
+    assert found.thrust < ENOUGH
+    assert share is not None
+    slower = race.model_copy(update={"planning": planning.model_copy(update={"thrust_share": share})})
+    assert margin(slower, plan(slower), *heavier).thrust == pytest.approx(ENOUGH, rel=0.03)
+
+
+def test_a_race_that_plans_by_no_share_names_none():
+    race = make_race()
+    assert race.planning.quadrotor is not None
+    assert share_with_margin(race, REFERENCE, margin(race, REFERENCE)) is None
+
+
+def test_check_notes_conditions_without_enough_thrust_and_rates_that_are_not_there():
+    race = make_race(controller={"thrust": (0.1, 15.5)})
+    found = {finding.label: finding for finding in describe_margins(race, REFERENCE, margins(race, REFERENCE), planned=False)}
+    assert found["thrust left"].level is Level.FACT
+    assert found["- 10 % heavier"].level is found["- 15 % less thrust"].level is Level.NOTE
+    assert "- 10 % lighter" not in found
+    quick = replace(REFERENCE, rates=20 * REFERENCE.rates)
+    rates = [one for one in describe_margins(race, quick, margins(race, quick)) if one.label == "rates left"]
+    assert rates[0].level is Level.NOTE
+    assert "raise controller.rates" in rates[0].remark
