@@ -125,7 +125,7 @@ def table(results: Mapping[Case, Mapping[str, Any]]) -> Iterator[str]:
 
 
 def summary(results: Mapping[Case, Mapping[str, Any]]) -> Iterator[str]:
-    """What the promise is worth: of the cells with enough margin, how many hold; and what the observer does to flights without a condition."""
+    """What the promise is worth: of the cells with enough margin, how many hold; and what flights without a condition lose."""
     sure = [
         (case.race, CONDITIONS[i].name, found["margins"][i], found["rows"][RETUNED]["rates"][i])
         for case, found in results.items()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hotlap.files import toml_writer
 from hotlap.files.documented_keys import documented_keys
-from hotlap.race import battery, gate, obstacles, race, track
+from hotlap.race import battery, gate, observer, obstacles, race, track
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.schema import Described
 
@@ -24,6 +24,7 @@ DESCRIPTIONS: dict[str, type[Described]] = {
     "planning": race.PlanningSettings,
     "ramp": race.Ramp,
     "controller": race.ControllerSettings,
+    "observer": observer.ObserverSettings,
     "noise": race.NoiseSettings,
     "judge": race.JudgeSettings,
 }

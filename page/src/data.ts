@@ -145,6 +145,9 @@ export interface Trace {
   readonly rotor_thrusts: Table;
   readonly command_thrust: Table;
   readonly command_rates: Table;
+  /** What the controller estimates of the vehicle, where it does. */
+  readonly thrust_effectiveness: Table | null;
+  readonly disturbance: Table | null;
   readonly gate_distance: Table;
   readonly seen_times: Table;
   readonly effort: Effort | null;
@@ -202,7 +205,25 @@ export interface Sensitivity {
   readonly by_segment: Table;
 }
 
+/** What is left of thrust and body rates over what the plan needs, where that is least. */
+export interface Margin {
+  readonly thrust: number;
+  readonly rates: number;
+  readonly place: string;
+}
+
+/** Why flights fail, and what to do about it; `tried`: flights without the cause. */
+export interface Cause {
+  readonly cause: string;
+  readonly found: string;
+  readonly advice: string;
+  readonly tried: { readonly flights: number; readonly successes: number } | null;
+  readonly supposed: string;
+}
+
 export interface Robustness extends Interval {
+  readonly margin: Margin | null;
+  readonly causes: readonly Cause[];
   readonly change: string;
   /** Whether somebody asked for this condition; pages of before do not say. */
   readonly asked?: boolean;

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flight.scenarios import TUNED, make_race, make_scenario
-from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, without_symptoms
+from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling, without_symptoms
 from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import FailureCause
 from hotlap.race.conditions import UNCHANGED
@@ -154,3 +154,16 @@ def test_symptoms_that_vanish_with_their_cause_are_not_told():
     assert without_symptoms([symptom]) == [symptom]
     half = Diagnosis(FailureCause.DEAD_TIME, "", "", some)
     assert without_symptoms([half, symptom]) == [half, symptom]
+
+
+def test_flights_that_failed_are_looked_at_first_and_others_beside_them():
+    seeds, failed = np.arange(100, 150), np.zeros(50, dtype=bool)
+    failed[[3, 40]] = True
+    assert telling(seeds, failed).tolist() == [103, 140, *(100 + k for k in range(15) if k != 3)]
+    assert len(telling(seeds, ~failed)) == len(set(telling(seeds, ~failed).tolist())) == 16
+
+
+def test_what_helped_flights_of_which_most_held_already_has_to_help_them_all():
+    scenario = make_scenario(noise=NOISE, judge=WIDE)
+    seldom = diagnose(scenario, WORLD, np.tile(TUNED, (2, 1)), SEEDS, condition=parse_hold("mass=+30%")[0], before=0.8)
+    assert seldom[0].rate >= 0.95

@@ -41,6 +41,7 @@ def test_every_race_loads_and_its_plan_leaves_the_vehicle_some_thrust(name):
     assert race.provenance
     assert race.planning_model.max_acceleration < race.vehicle.max_acceleration * 1.0001
     assert race.planning_model.max_acceleration < race.controller.thrust[1]
+    assert not race.planning.free, "its plan is fixed, so that results can be compared"
     assert all(plan <= limit for plan, limit in zip(race.planning_model.rate_limit, race.controller.rates, strict=True))
 
 
@@ -63,7 +64,7 @@ def test_the_default_suite_is_a_hummingbird_with_45_ms_that_its_controller_does_
     assert race.vehicle == hummingbird.model_copy(update={"delay": 0.045})
     assert race.control_model == hummingbird.model_copy(update={"rotor_drag": 0.0})
     assert unknown_latency(race) == 0.045
-    assert race.controller == ControllerSettings(lag_lead=0.0)
+    assert race.controller == ControllerSettings(lag_lead=0.0, offset_free=False, reference_drag=False)
     assert race.noise == NoiseSettings()
     assert race.judge == JudgeSettings()
 
@@ -75,7 +76,7 @@ def test_the_airsim_suite_is_its_own_quadrotor_judged_by_closest_approach(name):
     assert race.vehicle == airsim.model_copy(update={"delay": 0.0125})
     assert race.control_model == airsim.model_copy(update={"body_drag": (0.0, 0.0, 0.0)})
     assert (race.judge.rule, race.judge.distance, race.judge.window, race.judge.crash) == (GateRule.CLOSEST, 1.3, (1.0, 2.0), 10.0)
-    assert race.controller == ControllerSettings(lag_lead=0.0)
+    assert race.controller == ControllerSettings(lag_lead=0.0, offset_free=False, reference_drag=False)
     assert race.noise == NoiseSettings()
 
 

@@ -11,6 +11,7 @@ from numpy.testing import assert_array_equal
 from hotlap.flight.fly import prepare
 from hotlap.flight.numbers import Numbers
 from hotlap.flight.registry import CONTROLLERS
+from hotlap.race.controller_kind import kind_and_solver
 from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.reference.scenario import Scenario
 
@@ -30,7 +31,8 @@ def draw(scenario: Scenario) -> np.ndarray:
 
 
 def test_every_kind_has_its_functions():
-    assert set(CONTROLLERS) == set(ControllerKind) == set(TUNABLE)
+    assert set(CONTROLLERS) >= set(ControllerKind) == set(TUNABLE)
+    assert {kind_and_solver(law)[0] for law in CONTROLLERS} == set(ControllerKind)
 
 
 @EVERY

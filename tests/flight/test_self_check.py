@@ -15,6 +15,7 @@ from hotlap.core.records import Cause, End
 from hotlap.flight import self_check
 from hotlap.flight.fly import fly_batch
 from hotlap.flight.numbers import Numbers, best_numbers
+from hotlap.flight.registry import CONTROLLERS
 from hotlap.race.controllers import ControllerKind
 from hotlap.worlds import BuiltIn
 
@@ -40,20 +41,21 @@ import numpy as np
 from hotlap.core.errors import HotlapError
 from hotlap.flight import self_check
 from hotlap.flight.program import MEANING
+from hotlap.flight.registry import CONTROLLERS
 lanes, flown = {LANES.lanes}, {{}}
 def fly(name, kind):
     flown.update({{f"{{name}}-{{k}}": array for k, array in enumerate(self_check.fly_interpreted(kind, lanes))}})
-for kind in self_check.ControllerKind:
+for kind in CONTROLLERS:
     fly(kind, kind)
 for operation, wrong in {{{", ".join(f'"{operation}": {wrong}' for operation, wrong in WRONG.items())}}}.items():
     right, MEANING[operation] = MEANING[operation], wrong
-    fly(operation, self_check.ControllerKind.GEOMETRIC)
+    fly(operation, "geometric")
     MEANING[operation] = right
 for name, place in {WRONG_JUDGES}.items():
     module = import_module(f"hotlap.flight.{{place}}")
     right = getattr(module, name)
     setattr(module, name, lambda *given, right=right: right(*given) + 0.02)
-    fly(name, self_check.ControllerKind.GEOMETRIC)
+    fly(name, "geometric")
     setattr(module, name, right)
 np.savez(sys.stdout.buffer, **flown)
 """
@@ -91,7 +93,7 @@ def test_the_flights_meet_bounds_and_leave_them():
     assert 0.2 < (thrust > scenario.race.controller.thrust[1] - 1e-6).mean() < 0.8
 
 
-@pytest.mark.parametrize("kind", ControllerKind)
+@pytest.mark.parametrize("kind", CONTROLLERS)
 @pytest.mark.check
 def test_lanes_agree_with_the_interpreter(kind, interpreted):
     assert self_check.same(self_check.fly_compiled(LANES, kind), interpreted[kind])

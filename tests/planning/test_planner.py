@@ -47,7 +47,7 @@ def test_a_share_of_the_thrust_that_cannot_carry_the_drone_is_refused_before_any
     race = load_race("circle-34")
     weak = race.vehicle.model_copy(update={"rotor_thrust": (0.0, 2.0)})
     race = race.model_copy(update={"vehicle": weak, "model": None, "planning": type(race.planning)()})
-    with pytest.raises(PlanningError, match=r"thrust-to-weight of 0\.85 and cannot hover; raise planning\.thrust_share"):
+    with pytest.raises(PlanningError, match=r"thrust-to-weight of 0\.97 and cannot hover; raise planning\.thrust_share"):
         plan(race)
 
 

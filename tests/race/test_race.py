@@ -65,6 +65,10 @@ def test_the_gate_distance_follows_the_rule(values, distance):
     ("settings", "values", "message"),
     [
         (ControllerSettings, {"period": 0.003}, "period: a multiple"),
+        (ControllerSettings, {"period": 0.1}, "period: an MPC follows with up to 0.05 s, not 0.1 s"),
+        (ControllerSettings, {"nodes": 10}, r"10 nodes over a horizon of up to 3.5 s lie 0.35 s apart, .* set 18 nodes, or high\[4\] = 4"),
+        (ControllerSettings, {"nodes": 100, "horizon_unit": 3.0}, r"high\[4\]: a horizon of 21 s is longer than 14 s"),
+        (ControllerSettings, {"nodes": 40, "solver": "real_time"}, 'solver: "real_time" converges with up to 20 nodes'),
         (ControllerSettings, {"thrust": (5.0, 5.0)}, "thrust: the least"),
         (ControllerSettings, {"low": (300.0, 100, 1, 1, 1)}, r"default\[0\]: 200 is not within"),
         (ControllerSettings, {"high": (1.0, 1500, 100, 1000, 7)}, r"low\[0\]: 1 is not below"),
@@ -86,3 +90,13 @@ def test_every_part_of_a_race_is_in_its_fingerprint(race):
         race.model_copy(update={"noise": race.noise.model_copy(update={"wind": 0.1})}),
     ]
     assert len({race.fingerprint, *(other.fingerprint for other in changed)}) == 4
+
+
+def test_the_solver_is_the_one_that_converges():
+    def law(**settings):
+        return ControllerSettings(**settings).law
+
+    assert law() == law(sweeps=5) == law(period=0.0025, solver="real_time") == "mpc"
+    assert law(nodes=18) == law(sweeps=1) == law(period=0.02) == law(horizon_unit=0.55) == law(solver="line_search") == "mpc-line_search"
+    assert law(kind="mpc_drag", nodes=100) == "mpc_drag-line_search"
+    assert law(kind="geometric", nodes=2, period=0.1, solver="line_search") == "geometric"

@@ -21,6 +21,7 @@ from hotlap.report.effort import Effort
 from hotlap.report.page.document import MOST_SAMPLES, dump_scenario, dump_study, dump_trace, write_json
 from hotlap.report.page.packing import MOST_ROWS, number, pack, thin
 from hotlap.report.page.replay import replay_finished, replay_running
+from hotlap.report.scene import trace
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
 
@@ -237,3 +238,20 @@ def test_a_track_of_bare_points_sends_points_alone():
     document = dump_scenario(make_scenario())
     assert document["gate_shapes"] == document["poles"] == document["spheres"] == document["boxes"] == []
     assert document["box"] is document["ceiling"] is document["bounds"] is None
+
+
+def test_estimates_are_drawn_where_the_controller_makes_some(whole):
+    assert all(trace["thrust_effectiveness"] is trace["disturbance"] is None for trace in whole["traces"])
+    scenario, effort = make_scenario(), Effort(0.0, 0.0, 0.0, None, None)
+    for on in (True, False):
+        race = scenario.race.model_copy(update={"controller": scenario.race.controller.model_copy(update={"offset_free": on})})
+        asked = replace(scenario, race=race)
+        parameters = asked.space.first_guess(len(asked.segments))[None]
+        flights = PlausibleWorld().fly(asked, parameters, np.zeros(1, dtype=np.int64), log=[0])
+        log = flights.logs[0]
+        estimates = np.tile([0.9, 3.0, 0.0, 4.0], (len(log.times), 1))
+        plain = dump_trace(trace(asked, replace(flights, logs={0: replace(log, estimates=estimates)}), 0, "best"), (effort, effort))
+        assert (plain["thrust_effectiveness"] is None) == (not on)
+        if on:
+            np.testing.assert_allclose(unpack(plain["thrust_effectiveness"]), 0.9, rtol=1e-6)
+            np.testing.assert_allclose(unpack(plain["disturbance"]), 5.0)

@@ -368,9 +368,10 @@ def test_keys_that_a_study_of_an_earlier_version_does_not_have_get_their_default
     before = json.loads(json.dumps(now))
     before["race"]["track"].pop("laps")
     before["race"]["vehicle"].pop("radius")
-    before["race"]["controller"].pop("lag_lead")
+    for name in ("lag_lead", "offset_free", "reference_drag"):
+        before["race"]["controller"].pop(name)
     assert first_difference(before, now) == ("race.controller.lag_lead", 0.0, 0.5)  # how it was flown then
-    now["race"]["controller"]["lag_lead"] = 0.0
+    now["race"]["controller"] |= {"lag_lead": 0.0, "offset_free": False, "reference_drag": False}
     assert first_difference(before, now) is None
     before["race"]["track"]["laps"] = 2
     assert first_difference(before, now) == ("race.track.laps", 2, 1)

@@ -2,14 +2,20 @@
 import type { App, Axis } from "../app";
 import { card, h } from "../dom";
 import { digits } from "../format";
+import type { Table } from "../table";
 import { type Quantity, TimeChart } from "./timechart";
 
 const NAMES = ["roll rate", "pitch rate", "yaw rate"];
+const EFFECTIVENESS: readonly [number, number] = [0.6, 1.4]; // what it is estimated within
+const NOTHING: Table = { values: new Float32Array(), shape: [0] };
 
 /** The card with all charts over time. */
 export function telemetry(app: App): { readonly element: HTMLElement; readonly build: () => void } {
   const charts = [error, speed, thrust, ...NAMES.map((_, axis) => rate(axis))].map((quantity) => new TimeChart(app, () => quantity(app)));
   const note = "Point at a chart to move the drone. Ticks: gates; dots: distance from each gate as it is judged; thin grey lines: the plan; grey areas: beyond the limits. Nothing is smoothed.";
+  const learnt = [effectiveness, disturbance].map((quantity) => new TimeChart(app, quantity));
+  app.parts.traces.watch((traces) => learnt.forEach((chart) => (chart.element.hidden = !traces.some((trace) => trace.thrust_effectiveness))));
+  charts.push(...learnt);
   const columns = h("div", { class: "charts" }, ...charts.map((chart) => chart.element));
   const element = card("telemetry", "Telemetry", note, columns);
   element.querySelector("header")?.append(axisSwitch(app));
@@ -60,4 +66,14 @@ function rate(axis: number): (app: App) => Quantity {
       limits: [limit === null ? null : -limit, limit],
     };
   };
+}
+
+/** The thrust that the controller takes a command to give, over what its model says. */
+function effectiveness(): Quantity {
+  return { title: "thrust effectiveness, estimated", unit: "-", height: 150, of: (trace) => trace.thrust_effectiveness ?? NOTHING, between: EFFECTIVENESS };
+}
+
+/** The acceleration that neither thrust nor model explains. */
+function disturbance(): Quantity {
+  return { title: "disturbance, estimated", unit: "m/s²", height: 150, of: (trace) => trace.disturbance ?? NOTHING };
 }

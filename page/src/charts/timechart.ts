@@ -23,6 +23,8 @@ export interface Quantity {
   /** A level that decides, such as the distance within which a gate is passed, with its name. */
   readonly line?: { readonly value: number; readonly name: string };
   readonly most?: number;
+  /** Least and largest value of the axis, whatever is drawn. */
+  readonly between?: readonly [number, number];
 }
 
 interface Line {
@@ -130,7 +132,8 @@ export class TimeChart {
   }
 
   private range(base: readonly number[]): [number, number] {
-    const { limits, line, most } = this.quantity();
+    const { limits, line, most, between } = this.quantity();
+    if (between) return [...between];
     const values = [...this.lines.flatMap((line) => line.values), ...base, ...(limits ?? []), line?.value ?? null];
     let [low, high] = [Infinity, -Infinity];
     for (const value of values) {

@@ -1,6 +1,6 @@
 /** Robustness: success rates of the tuned parameters, with their intervals, under conditions other than those they were tuned under. */
 import type { App } from "../app";
-import type { Interval, Robustness } from "../data";
+import type { Cause, Interval, Margin, Robustness } from "../data";
 import { card, h, renew, s } from "../dom";
 import { interval, percent } from "../format";
 
@@ -9,7 +9,7 @@ const WIDTH = 120;
 export function robustness(app: App): HTMLElement {
   const body = h("div", {});
   app.parts.robustness.watch((rows) => renew(body, rows.length ? table(rows) : "Not flown: the simulator takes no other vehicle, or the study is still running."));
-  return card("robustness", "Robustness", "Will it hold? Success rate of the tuned parameters when vehicle, wind or noise differ from those they were tuned with; whiskers: 95 % interval.", body);
+  return card("robustness", "Robustness", "Will it hold? Success rate of the tuned parameters when vehicle, wind or noise differ from those they were tuned with; whiskers: 95 % interval; ×: thrust that is there over thrust that is needed.", body);
 }
 
 function table(rows: readonly Robustness[]): HTMLElement {
@@ -21,8 +21,21 @@ function table(rows: readonly Robustness[]): HTMLElement {
 }
 
 function group(rows: readonly Robustness[], title = ""): HTMLElement {
-  const head = title && rows.length ? [h("tr", {}, h("th", { scope: "rowgroup", colspan: "3", class: "quiet" }, title))] : [];
-  return h("tbody", {}, ...head, ...rows.map(line));
+  const head = title && rows.length ? [h("tr", {}, h("th", { scope: "rowgroup", colspan: "4", class: "quiet" }, title))] : [];
+  return h("tbody", {}, ...head, ...rows.flatMap((row) => [line(row), ...row.causes.map(why)]));
+}
+
+/** A cause of the failures above it, with what to try. */
+function why(cause: Cause): HTMLElement {
+  const proof = cause.tried && `${cause.supposed ? `${cause.supposed}, ` : ""}${cause.tried.successes} of ${cause.tried.flights} flights hold`;
+  return h("tr", { class: "why" }, h("td", { colspan: "4" }, h("b", {}, cause.cause), `: ${cause.found}; ${cause.advice}`, h("span", { class: "quiet" }, proof ? ` (${proof})` : "")));
+}
+
+/** What is left of the thrust; never rounded up. */
+function left(margin: Margin | null): HTMLElement {
+  if (!margin) return h("td", {});
+  const figure = (Math.floor(100 * margin.thrust + 1e-9) / 100).toFixed(2);
+  return h("td", { class: "number", title: `thrust that is there over thrust that is needed, ${margin.place}` }, h("span", { class: margin.thrust < 1 ? "bad" : "quiet" }, `${figure} ×`));
 }
 
 function line(row: Robustness): HTMLElement {
@@ -32,6 +45,7 @@ function line(row: Robustness): HTMLElement {
     h("th", { scope: "row" }, row.change),
     h("td", { class: "number" }, h("b", { class: row.rate < 0.5 ? "bad" : "" }, percent(row.rate)), h("span", { class: "quiet" }, ` ${row.successes} of ${row.flights}`)),
     h("td", {}, rateBar(row)),
+    left(row.margin),
   );
 }
 

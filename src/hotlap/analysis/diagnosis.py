@@ -25,9 +25,12 @@ from hotlap.tuning.scoring import score
 from hotlap.worlds.world import World
 
 MOST = 3  # causes that are told
+LOOKED_AT, FAILED = 16, 8  # flights whose logs are read, and how many of them are ones that failed
 FLIGHTS = 12  # of each trial
 HELPS = 0.25  # share of the flights by which a trial has to be better
 CHEAP = 5.0  # s of planning
+ENOUGH = 0.5  # share of the flights of a trial, below which it has not removed what makes them fail
+ALL = 0.95  # share that is enough, however many held before
 ALIKE = 0.1  # difference of two shares that says little
 
 Replan = Callable[[Race], Scenario]
@@ -57,11 +60,6 @@ class Diagnosis:
     supposed: str = ""
 
     @property
-    def untried(self) -> Diagnosis:
-        """The same without its trial."""
-        return replace(self, tried=None, supposed="")
-
-    @property
     def rate(self) -> float:
         """Share of the flights without the cause that met the goal [-]; -1 where that was not flown."""
         return -1.0 if self.tried is None else self.tried.rate
@@ -77,7 +75,8 @@ class Diagnosis:
         if self.tried is None:
             return ""
         supposed = f"{self.supposed}, " if self.supposed else ""
-        return f" ({supposed}{self.tried.successes} of {self.tried.flights} flights hold)"
+        enough = ": not enough by itself" if self.rate < ENOUGH else ""
+        return f" ({supposed}{self.tried.successes} of {self.tried.flights} flights hold{enough})"
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON."""
@@ -93,11 +92,12 @@ def diagnose(
     goal: Goal | None = None,
     condition: Condition = UNCHANGED,
     *,
+    before: float | None = None,
     replan: Replan | None = None,
 ) -> tuple[Diagnosis, ...]:
     """Why parameters fail, the likeliest cause first, at most three; none where they do not fail.
 
-    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless nothing does.
+    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless figures prove it or nothing helps.
 
     Args:
         scenario: that is flown.
@@ -106,21 +106,21 @@ def diagnose(
         seeds: of the flights, shape (B,); a dozen are enough.
         goal: what counts as a success; None: all gates.
         condition: under which they are flown.
+        before: share of flights that meet the goal, where more than these were flown.
         replan: plans a race anew; None: no other plan is tried.
     """
     trial = _Trial(scenario, world, parameters, seeds, goal or Goal(), replan)
     case = trial.case(condition)
     if case is None:
         return ()
-    before, suspicions = 1 - float(case.failed.mean()), suspect(case)
-    tested = [trial.test(suspicion, before) for suspicion in suspicions]
-    proved = [one for one in tested if one.rate >= before + HELPS]
-    certain = [one if one in proved else one.untried for one, suspicion in zip(tested, suspicions, strict=True) if suspicion.certain]
+    known = 1 - float(case.failed.mean()) if before is None else before
+    helps, suspicions = min(known + HELPS, ALL), suspect(case)
+    tested = [trial.test(suspicion, helps) for suspicion in suspicions]
+    proved = [one for one in tested if one.rate >= helps]
+    certain = [one for one, suspicion in zip(tested, suspicions, strict=True) if suspicion.certain]
     roots = sorted((one for one in proved if one.cause not in SYMPTOMS and one not in certain), key=lambda one: -one.rate)
     told = _each_once(without_symptoms([*certain, *roots, *(one for one in proved if one.cause in SYMPTOMS)]))
-    if told:
-        return tuple(told[:MOST])
-    return tuple(one.untried for one in tested if one.tried is None)[:MOST] or tuple(one.untried for one in tested[:1])
+    return tuple(told[:MOST] or tested[:1])
 
 
 def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
@@ -134,8 +134,21 @@ def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
 
 
 def _each_once(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
-    """Those whose advice none before them has given."""
-    return [one for i, one in enumerate(diagnoses) if one.advice not in {before.advice for before in diagnoses[:i]}]
+    """Those whose cause and advice none before them has."""
+    seen = [{word for before in diagnoses[:i] for word in (before.cause, before.advice)} for i in range(len(diagnoses))]
+    return [one for one, before in zip(diagnoses, seen, strict=True) if not {one.cause, one.advice} & before]
+
+
+def telling(seeds: NDArray[np.int64], failed: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Seeds of flights that tell most: some that failed, then others, sixteen at most.
+
+    Args:
+        seeds: of flights that were flown, shape (B,).
+        failed: shape (B,) which of them failed.
+    """
+    first = np.flatnonzero(failed)[:FAILED]
+    others = np.setdiff1d(np.arange(len(seeds)), first)
+    return seeds[np.concatenate([first, others])[:LOOKED_AT].astype(np.int64)]
 
 
 def diagnose_logs(
@@ -174,10 +187,10 @@ class _Trial:
         flights = self._fly(noisy, row, self.seeds, log=len(self.seeds))
         return _case(self.scenario, flights, ~self._succeeded(noisy, flights), condition)
 
-    def test(self, suspicion: Suspicion, before: float) -> Diagnosis:
-        """A suspicion with the first of its cures that helps, or the first."""
+    def test(self, suspicion: Suspicion, helps: float) -> Diagnosis:
+        """A suspicion with the first of its cures that helps, by the share of flights that hold then; or the first."""
         tried = [(cure, self._try(cure)) for cure in suspicion.cures]
-        best = next((both for both in tried if both[1] is not None and both[1].rate >= before + HELPS), tried[0])
+        best = next((both for both in tried if both[1] is not None and both[1].rate >= helps), tried[0])
         return Diagnosis(suspicion.cause, suspicion.found, best[0].advice, best[1], best[0].supposed)
 
     def _try(self, cure: Cure) -> Validation | None:

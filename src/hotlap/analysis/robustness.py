@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose
+from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose, telling
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
@@ -21,7 +21,6 @@ from hotlap.tuning.under_conditions import fly_under
 from hotlap.worlds.world import World
 
 FLIGHTS = 50  # under each condition
-LOOKED_AT = 16  # of them, where they fail
 HELD = 0.95  # share of successes from which on parameters hold under a condition
 
 
@@ -88,25 +87,23 @@ def check_robustness(
     every = (UNCHANGED, *join_conditions(asked, further))
     known = {} if as_tuned is None else {UNCHANGED: as_tuned}
     found = known | fly_conditions(scenario, world, parameters, seeds, [one for one in every if one not in known])
-    met = {condition: int(goal.succeeded(scores).sum()) for condition, scores in found.items()}
-    rows = (
-        Robustness(condition, Validation(flights, met[condition]), condition in asked, margin_of(scenario, condition))
-        for condition in every
-    )
+    met = {condition: goal.succeeded(scores) for condition, scores in found.items()}
+    rows = [Robustness(one, Validation(flights, int(met[one].sum())), one in asked, margin_of(scenario, one)) for one in every]
     if not explained:
         return tuple(rows)
-    return tuple(row if row.holds else _explain(row, scenario, world, goal, parameters, seeds) for row in rows)
+
+    def explain(row: Robustness) -> Robustness:
+        """The same with the causes of its failures."""
+        some, replan = telling(seeds, ~met[row.condition]), None if row.condition.changes else cheap_replan(scenario)
+        rate = row.validation.rate
+        return replace(row, causes=diagnose(scenario, world, parameters, some, goal, row.condition, before=rate, replan=replan))
+
+    return tuple(row if row.holds else explain(row) for row in rows)
 
 
 def margin_of(scenario: Scenario, condition: Condition = UNCHANGED) -> Margin:
     """What is there over what a scenario's reference needs, under a condition."""
     return margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free)
-
-
-def _explain(row: Robustness, scenario: Scenario, world: World, goal: Goal, parameters: Parameters, seeds: NDArray[np.int64]) -> Robustness:
-    """The same with the causes of its failures."""
-    replan = None if row.condition.changes else cheap_replan(scenario)
-    return replace(row, causes=diagnose(scenario, world, parameters, seeds[:LOOKED_AT], goal, row.condition, replan=replan))
 
 
 def fly_conditions(

@@ -39,8 +39,7 @@ from hotlap.worlds.world import World
 
 PLANS = "plans"  # folder of the studies of all plans, within that of the race
 CALMER = 0.97  # of a share of the thrust, for a plan to be called calmer
-PARTS = 4  # of the budget: what one plan may take at most
-MINUTES = 8  # of the minutes, where time is counted, what one plan may take; half of them is for the plan that is chosen
+PARTS = 4  # of the budget, and of the minutes: what one plan may take at most
 FEWEST = 20  # flights of a plan beside its re-flights
 PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
 UNSEEN = 300_000  # first of the flights that tell whether parameters hold: nothing was chosen by their noise
@@ -53,6 +52,11 @@ def leaves_open(race: Race, settings: TuningSettings, asked: Asked) -> bool:
     """Whether a plan is to be chosen: none is fixed or read, and the flights are enough to tell one that holds."""
     enough = settings.budget >= settings.confirm + FEWEST and settings.validation > 0
     return race.planning.free and asked.reference is None and settings.goal.quantity is not Quantity.NONE and enough
+
+
+def minutes_each(settings: TuningSettings) -> float:
+    """Minutes that each plan may take, where time is counted."""
+    return settings.minutes / PARTS
 
 
 def plan_of(folder: Path) -> tuple[float | None, tuple[TriedPlan, ...]]:
@@ -134,9 +138,8 @@ class PlanChoice:
         shutil.rmtree(place, ignore_errors=True)
         with suppress(OSError):  # the others stay, to be looked at
             (self.folder / PLANS).rmdir()
-        minutes, selection = self.settings.minutes / 2, self.settings.selection
-        settings = replace(configuration.settings, budget=self.left + chosen.flights, minutes=minutes, selection=selection)
-        return replace(configuration, settings=settings)
+        left = {"budget": self.left + chosen.flights, "minutes": self.settings.minutes, "selection": self.settings.selection}
+        return replace(configuration, settings=replace(configuration.settings, **left))
 
     def _attempt(self, share: float) -> TriedPlan | None:
         """Plan with a share of the thrust, tune, and judge; None where too few flights are left."""
@@ -144,7 +147,7 @@ class PlanChoice:
         if budget < self.settings.confirm + FEWEST:
             return None
         try:
-            settings = replace(self.settings, budget=budget, selection=0, minutes=self.settings.minutes / MINUTES)
+            settings = replace(self.settings, budget=budget, minutes=minutes_each(self.settings), selection=0)
             configuration = self.configure(self.race.with_share(share), settings)
         except PlanningError as error:
             tried = TriedPlan(share, None, 0, None, holds=False, end=f"there is no plan ({error.reason})")

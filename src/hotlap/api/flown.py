@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hotlap import worlds
-from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose, diagnose_logs
-from hotlap.analysis.robustness import HELD, LOOKED_AT, Robustness, check_robustness
+from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling
+from hotlap.analysis.robustness import HELD, Robustness, check_robustness
 from hotlap.api.asked import Asked
 from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_range, check_source, check_target
@@ -39,6 +39,7 @@ MOST_FLIGHTS = 100_000
 COLUMNS = (
     *("t", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"),
     *("u_1", "u_2", "u_3", "u_4", "command_thrust", "command_w_x", "command_w_y", "command_w_z"),
+    *("thrust_effectiveness", "disturbance_x", "disturbance_y", "disturbance_z"),
 )
 
 
@@ -174,7 +175,8 @@ def carry_out(asked: Asked) -> FlightsResult:
 def _why(scenario: Scenario, world: World, parameters: Parameters, flights: Flights, scores: Scores) -> tuple[Diagnosis, ...]:
     """Why flights fail: by further flights where those cost nothing, else by the log of the first."""
     if world.takes_vehicle_parameters:
-        return diagnose(scenario, world, parameters, flights.seeds[:LOOKED_AT], replan=cheap_replan(scenario))
+        seeds, before = telling(flights.seeds, ~scores.complete), float(scores.complete.mean())
+        return diagnose(scenario, world, parameters, seeds, before=before)
     return diagnose_logs(scenario, flights, ~scores.complete)
 
 
@@ -189,7 +191,8 @@ def _parameters(asked: Asked, scenario: Scenario) -> Parameters:
 
 
 def write_log(path: Path, log: Log) -> None:
-    """One flight as CSV: time, state, rotor thrusts and command of each step."""
-    table = np.column_stack([log.times, log.states, log.rotor_thrusts, log.commands])
+    """One flight as CSV: time, state, rotor thrusts, command and the controller's estimates of each step; NaN where a world logs none."""
+    estimates = np.full((len(log.times), 4), np.nan) if log.estimates is None else log.estimates
+    table = np.column_stack([log.times, log.states, log.rotor_thrusts, log.commands, estimates])
     lines = [",".join(COLUMNS), *(",".join(map(repr, row)) for row in table.tolist())]
     replace(path, "\n".join(lines) + "\n")

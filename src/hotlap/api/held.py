@@ -55,7 +55,7 @@ def dump_margin(margin: Margin | None) -> Mapping[str, Any] | None:
     """As plain JSON."""
     if margin is None:
         return None
-    names = ("thrust", "available", "needed", "time", "place", "rates")
+    names = ("thrust", "reserve", "available", "needed", "time", "place", "rates")
     return {name: getattr(margin, name) for name in names}
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from hotlap import tuners, worlds
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
-from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, plan_of
+from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, minutes_each, plan_of
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -213,7 +213,8 @@ def _go_on(job: _Job, folder: Path) -> tuple[Configuration, tuple[TriedPlan, ...
     if race.planning.free and share is not None and job.asked.reference is None:
         race = race.with_share(share)
         others = sum(plan.flights for plan in plans if plan.share != share)
-        settings = replace(settings, budget=max(settings.budget - others, 1))
+        minutes = minutes_each(settings) if plans else settings.minutes
+        settings = replace(settings, budget=max(settings.budget - others, 1), minutes=minutes)
     with job.asked.remarked("begin again"):
         return job.configuration(race, settings), plans
 

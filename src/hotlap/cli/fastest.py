@@ -34,8 +34,8 @@ from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
 ROUNDS = 40  # of plans tried around the best so far
-# options that have no meaning here
 FIXED = ("reference", "first_guess", "segments", "on", "randomise", "samples", "reliability", "selection", "minutes")
+"""Options that have no meaning here."""
 
 
 def run(options: Namespace) -> int:

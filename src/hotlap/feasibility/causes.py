@@ -30,7 +30,7 @@ READ = 0.03  # s of dead time that are no error of reading a log
 FELT = 1.0  # m/s^2 of drag
 OFTEN = 10.0  # jumps a second: no manoeuvre asks for them
 MOSTLY = 0.5  # of the time
-STRONGER = 1.4  # rotors, to see whether thrust is what is lacking
+STRONGER, SURELY = 1.4, 1.25  # rotors, and the margin that they give at least, to see whether thrust is what is lacking
 WIDER = 1.5  # gates, to see whether room is
 CALMER = 0.85  # of the thrust that the plan takes
 DAMPED = (1.0, 10.0, 10.0)  # factors of `controller.input_weights`
@@ -157,10 +157,11 @@ def _no_margin(case: Case) -> Iterator[Suspicion]:
     scenario, found = case.scenario, case.margin
     if found.enough:
         return
-    race, row = case.race, scale(case.vehicle_parameters, ("rotor_thrust_max",), STRONGER)
+    stronger = max(STRONGER, SURELY / found.thrust)
+    race, row = case.race, scale(case.vehicle_parameters, ("rotor_thrust_max",), stronger)
     low, high = race.controller.thrust
     race = _knowing(race, mass=case.vehicle("mass"))
-    race = _controlled(race, thrust=(low, STRONGER * high))
+    race = _controlled(race, thrust=(low, stronger * high))
     words, _, advice = explain(scenario.race, scenario.reference, found, planned=case.planned).rpartition("; ")
     cures = [Cure(advice, race, row, supposed="with enough of it")]
     if not case.scenario.offset_free and _estimated(case).thrust > 1:
@@ -249,15 +250,17 @@ def _saturated(case: Case) -> Iterator[Suspicion]:
 
 
 def _late(case: Case) -> Iterator[Suspicion]:
-    """Behind the reference on its path."""
+    """Lag that the controller does not make up for, and a drone behind the reference on its path."""
     signs, race = case.signs, case.race
+    if race.controller.predict and race.controller.lag_lead < LEAD:
+        found = f"rates follow {race.control_model.lag * 1e3:.0f} ms behind their commands, and the controller makes up for little of it"
+        lead = case.cure(f"set controller.lag_lead = {LEAD:g}", _controlled(race, lag_lead=LEAD))
+        yield Suspicion(FailureCause.LATE, found, (lead,))
     if not signs.behind:
         return
     speed = max(case.scenario.reference.mean_speed, 0.1)
     found = f"{-signs.along:.2f} m behind on the path at the end, {-signs.along / speed * 1e3:.0f} ms, and {signs.aside:.2f} m beside it"
     cures = []
-    if race.controller.predict and race.controller.lag_lead < LEAD:
-        cures.append(case.cure(f"set controller.lag_lead = {LEAD:g}", _controlled(race, lag_lead=LEAD)))
     if not case.scenario.offset_free:
         cures.append(case.cure("set controller.offset_free = true", _controlled(race, offset_free=True)))
     cures += _calmer(case)

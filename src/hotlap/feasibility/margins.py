@@ -28,7 +28,7 @@ from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, vehicle_parameter
 from hotlap.reference.attitude import thrust_axis
 from hotlap.reference.reference import Reference
 
-ENOUGH = 1.07  # margin from which on flights hold whose controller knows its thrust; measured, see docs/margin.md
+ENOUGH = 1.05  # reserve from which on flights hold whose controller knows its thrust; measured, see docs/failures.md
 FOR_TORQUE = 0.9  # of the rotors' thrust: all of it leaves none to turn with
 AT_GATE = 0.15  # s around its time
 SAME = 0.005  # difference of two margins that says nothing
@@ -50,6 +50,7 @@ class Margin:
         place: the same in words: "at gate 3".
         rates: body rates that the controller may command over those of the reference, of the axis with the least left [-].
         passing: whether that is so for a while alone: in the worst direction of a wind, or at the end of a battery.
+        reserve: as `thrust`, but a tenth of what the rotors give is left to turn with [-].
         limit: [m/s^2] `controller.thrust` that would leave enough, where the rotors have it; None where they have not.
     """
 
@@ -60,6 +61,7 @@ class Margin:
     place: str
     rates: float
     passing: bool = False
+    reserve: float = math.inf
     limit: float | None = None
 
     @property
@@ -75,7 +77,7 @@ class Margin:
     @property
     def enough(self) -> bool:
         """Whether thrust is left to correct with."""
-        return self.thrust >= ENOUGH
+        return self.reserve >= ENOUGH
 
     @property
     def figure(self) -> str:
@@ -103,11 +105,14 @@ def margin(race: Race, reference: Reference, condition: Condition = UNCHANGED, *
     available = _available(race.controller.thrust[1], rotors, effectiveness, offset_free=offset_free)
     worst = int((available / needed).argmin())
     time = (worst + 0.5 * (reference.planned_rows - len(needed))) * reference.period
-    limit, share = ENOUGH * float(needed[worst]), float(effectiveness[worst])
-    limit = limit if offset_free and share * FOR_TORQUE * rotors >= limit else limit / min(share, 1.0)
+    turning, share = FOR_TORQUE * rotors, float(effectiveness[worst])
+    most = race.controller.thrust[1]
+    reserve = float(((np.minimum(most, effectiveness * turning) if offset_free else effectiveness * min(most, turning)) / needed).min())
+    limit = ENOUGH * float(needed[worst])
+    limit = limit if offset_free and share * turning >= limit else limit / min(share, 1.0)
     passing = bool(wind > 0 or left[-1] < left[0])
-    place, rates, known = place_of(race, reference, time), _rates(race, reference), limit if limit <= rotors else None
-    return Margin(condition, float(available[worst]), float(needed[worst]), time, place, rates, passing, known)
+    place, rates, known = place_of(race, reference, time), _rates(race, reference), limit if limit <= turning else None
+    return Margin(condition, float(available[worst]), float(needed[worst]), time, place, rates, passing, reserve, known)
 
 
 def needed_thrust(reference: Reference, wind: float = 0.0) -> Floats:
@@ -135,7 +140,7 @@ def share_with_margin(race: Race, reference: Reference, found: Margin) -> float 
     if race.planning.quadrotor is not None:
         return None
     planned = float(running_mean(reference.thrust[: reference.planned_rows], round(HELD / reference.period)).max())
-    wanted = found.available / ENOUGH - (found.needed - planned)
+    wanted = found.needed * found.reserve / ENOUGH - (found.needed - planned)
     most = race.control_model.max_acceleration
     share = math.floor(100 * wanted / planned * race.planning_model.max_acceleration / most) / 100
     return share if share * most > HOVERING * race.control_model.gravity else None
@@ -153,6 +158,8 @@ def explain(race: Race, reference: Reference, found: Margin, *, planned: bool = 
     if found.enough:
         return ""
     verdict = "no weights will help" if found.lacking else "hardly any is left to correct with"
+    if not found.lacking and found.thrust >= ENOUGH:
+        verdict = "less what the rotors need to turn the drone, hardly any is left to correct with"
     verdict = "for a while less than that is there" if found.thrust < 1 and found.passing else verdict
     cure = help_with(race, reference, found, planned=planned)
     return f"{found.figure} of the thrust that is needed {found.place}: {verdict}; {cure}"
@@ -168,7 +175,7 @@ def help_with(race: Race, reference: Reference, found: Margin, *, planned: bool 
         return f"planning.thrust_share = {share:g} would, about"
     if planned and race.planning.quadrotor is None:
         return "no plan would: the vehicle is too weak"
-    return f"{'a plan' if planned else 'a reference'} that takes at most {found.available / ENOUGH:.1f} m/s^2 would"
+    return f"{'a plan' if planned else 'a reference'} that takes at most {found.needed * found.reserve / ENOUGH:.1f} m/s^2 would"
 
 
 def margins(race: Race, reference: Reference, *, offset_free: bool = False) -> tuple[Margin, ...]:
@@ -193,7 +200,8 @@ def describe_margins(race: Race, reference: Reference, found: Sequence[Margin], 
         planned: whether it was planned.
     """
     for one in found:
-        remark = explain(race, reference, one, planned=planned) or f"of the thrust that is needed, {one.place}"
+        told = explain(race, reference, one, planned=planned).removeprefix(f"{one.figure} ")
+        remark = told or f"of the thrust that is needed, {one.place}"
         yield Finding(f"- {one.condition.name}" if one.condition.changes else "thrust left", one.figure, remark, note_if(not one.enough))
     rates, tight = found[0].rates, found[0].rates < ALL
     remark = f"of the body rates that are needed{'; raise controller.rates' * tight}"

@@ -55,6 +55,8 @@ EXAMPLES: Mapping[Kind, Mapping[str, Any]] = {
         "model": "hummingbird",
         "planning.quadrotor": "airsim-plan",
         "planning.thrust_share": 0.75,
+        "controller.offset_free": True,
+        "controller.solver": "real_time",
         "planning.v_max": 20.0,
         "planning.clearance": 0.1,
         "planning.ramp.distance": 35.0,

@@ -33,7 +33,6 @@ from hotlap.flight.observer import (
 )
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import FRESH
-from hotlap.race.controllers import ControllerKind
 from hotlap.reference.scenario import Scenario
 
 STATE = 10  # p q v; body rates may follow and are not used
@@ -56,9 +55,9 @@ class Controller:
         self._job, _ = prepare(scenario, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
         self._settings = settings_of(scenario)._replace(stop_early=False)  # the same work at every step
         self._dead_time, self._known_delay = scenario.race.prediction, scenario.race.control_model.delay
-        kind = scenario.race.controller.kind
-        self._memory = CONTROLLERS[kind].allocate(self._settings.nodes, 1, np.float64)
-        self._begin, self._step = _steps(kind)
+        law = scenario.race.controller.law
+        self._memory = CONTROLLERS[law].allocate(self._settings, 1, np.float64)
+        self._begin, self._step = _steps(law)
         commands = math.ceil((max(self._dead_time, self._known_delay) + MOST_AGE) / self._settings.period) + 2
         self._loop = allocate_control_loop(commands, 1, np.float64)
         self.reset()
@@ -67,8 +66,9 @@ class Controller:
         """Start anew, from hovering: forget the plan, the commands given before and what was learnt.
 
         Args:
-            thrust_effectiveness: where its estimate begins [-], 0.6 to 1.4, if it is known from hovering: thrust expected over thrust commanded.
-            disturbance: where its estimate begins, shape (3,) [m/s^2] (world), up to 12 along each axis.
+            thrust_effectiveness: [-] where its estimate begins, 0.6 to 1.4: the thrust expected over that commanded, as hovering
+                shows it.
+            disturbance: shape (3,) [m/s^2] (world) where its estimate begins, up to 12 along each axis.
 
         Raises:
             HotlapError: an estimate out of range, or one of a controller that is not offset-free.
@@ -140,9 +140,9 @@ class Controller:
 
 
 @cache
-def _steps(kind: ControllerKind) -> tuple[Any, Any]:
+def _steps(law: str) -> tuple[Any, Any]:
     """Two compiled functions of a controller: start anew, and one control step."""
-    begin, aim, control = CONTROLLERS[kind].begin, CONTROLLERS[kind].aim, CONTROLLERS[kind].control
+    begin, aim, control = CONTROLLERS[law].begin, CONTROLLERS[law].aim, CONTROLLERS[law].control
 
     def begin_one(job: Job, s: Settings, memory: Any, loop: ControlLoop) -> None:
         """Forget the flight before."""
@@ -155,4 +155,4 @@ def _steps(kind: ControllerKind) -> tuple[Any, Any]:
         control(s, as_numbers(memory, 0), as_numbers(loop, 0))
         return now
 
-    return keep(njit(**COMPILE)(begin_one), f"{kind}-begin"), keep(njit(**COMPILE)(step_one), f"{kind}-step")
+    return keep(njit(**COMPILE)(begin_one), f"{law}-begin"), keep(njit(**COMPILE)(step_one), f"{law}-step")

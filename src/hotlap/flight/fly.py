@@ -17,8 +17,9 @@ from hotlap.core.records import Flights, Log
 from hotlap.flight.job import LOG_COLUMNS, Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, gates_of, new_verdicts
 from hotlap.flight.kernel import fly_queue
+from hotlap.flight.line_search import LONGEST_PART
 from hotlap.flight.numbers import Numbers
-from hotlap.flight.observer import drag_free, known_drag, largest_thrust, observer_numbers
+from hotlap.flight.observer import drag_free, known_drag, observer_numbers
 from hotlap.flight.plant import autopilot_numbers, model_numbers, vehicle_numbers
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import switch_number
@@ -73,13 +74,13 @@ def fly_batch(
     """
     job, gates = prepare(scenario, parameters, seeds, numbers, vehicle_parameters, log)
     verdicts = new_verdicts(len(seeds), len(gates.times))
-    settings, kind = settings_of(scenario)._replace(sagging=bool(job.sags.any())), scenario.race.controller.kind
+    settings, law = settings_of(scenario)._replace(sagging=bool(job.sags.any())), scenario.race.controller.law
     crew = min(threads or available(), -(-len(seeds) // numbers.lanes))
     if crew <= 1:
-        effort = fly_queue(numbers, kind, job, settings, gates, verdicts)
+        effort = fly_queue(numbers, law, job, settings, gates, verdicts)
     else:
         with ThreadPoolExecutor(crew) as pool:  # compiled code runs without the interpreter's lock
-            effort = sum(pool.map(lambda _: fly_queue(numbers, kind, job, settings, gates, verdicts), range(crew)))
+            effort = sum(pool.map(lambda _: fly_queue(numbers, law, job, settings, gates, verdicts), range(crew)))
     lane_steps, useful_steps = np.asarray(effort).tolist()
     return _record(scenario, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
 
@@ -88,10 +89,11 @@ def settings_of(scenario: Scenario) -> Settings:
     """The settings that all flights over a scenario share, as plain numbers."""
     race = scenario.race
     controller, noise, control_model = race.controller, race.noise, race.control_model
-    lead = race.prediction
+    lead, (least, most) = race.prediction, scenario.thrust_limits
     settings = Settings(
         nodes=controller.nodes,
         sweeps=controller.sweeps,
+        node_parts=max(1, math.ceil(controller.widest_spacing / LONGEST_PART - 1e-9)),
         stop_early=True,
         period=controller.period,
         steps=round(controller.period / PLANT_STEP),
@@ -123,8 +125,8 @@ def settings_of(scenario: Scenario) -> Settings:
         corrected=scenario.corrects_target,
         acted_periods=0,
         acted_rest=0.0,
-        least_thrust=controller.thrust[0],
-        largest_thrust=largest_thrust(race),
+        least_thrust=least,
+        largest_thrust=most,
         thrust_limit=controller.thrust[1],
     )
     return acting(predicting(settings, lead), control_model.delay)
@@ -171,7 +173,7 @@ def prepare(
         row_pieces=scenario.segments.piece_at(reference.times),
         piece_segments=np.array([piece.segment for piece in scenario.segments.pieces]),
         piece_points=np.ascontiguousarray(reference.position_at(scenario.segments.starts)),
-        parameters=CONTROLLERS[controller.kind].parameters_of(controller, parameters),
+        parameters=CONTROLLERS[controller.law].parameters_of(controller, parameters),
         seeds=np.ascontiguousarray(seeds, dtype=np.int64),
         input_weights=np.array([thrust, tilt, tilt, yaw]),
         low=np.array([controller.thrust[0], *(-rate for rate in controller.rates)]),

@@ -17,6 +17,7 @@ from hotlap.dynamics.parameter_layout import MODEL, TANGENT, TANGENT_COLUMNS
 from hotlap.flight.compile import compiled, compiled_dynamics, translate
 from hotlap.flight.control_loop import predictor
 from hotlap.flight.job import Job, Settings
+from hotlap.flight.line_search import search
 from hotlap.flight.mpc import Mpc, allocate_mpc, solver
 from hotlap.flight.mpc_step import begin_control, controls
 from hotlap.flight.numbers import INLINE
@@ -126,6 +127,20 @@ allocate_generic_mpc = partial(allocate_mpc, constants=CONSTANTS, jacobian=JACOB
 
 def generic_control(name: str) -> Any:
     """A control step with the model of that name in `hotlap.dynamics.models`; CasADi is loaded when the step is compiled, not before."""
+    solve = solver(*_stages(name))
+    predict = predictor(compiled_dynamics(name))
+    return controls(predict, solve, model_has_drag=True)[1]
+
+
+def generic_search(name: str) -> Any:
+    """The same for `line_search`."""
+    linearise, backward, _ = _stages(name)
+    node = compiled_dynamics(name)
+    return search(predictor(node), linearise, backward, node, model_has_drag=True)
+
+
+def _stages(name: str) -> tuple[Callable[..., None], Callable[..., None], Callable[..., None]]:
+    """Linearisation, backward and forward stage of a model."""
 
     def with_node(build: Callable[..., Program]) -> Callable[..., None]:
         def program() -> Program:
@@ -135,10 +150,8 @@ def generic_control(name: str) -> Any:
 
         return compiled(program)
 
-    solve = solver(
+    return (
         with_node(lambda node, linearisation: translate(linearisation.linearised(node))),
         with_node(lambda node, linearisation: general_backward_stage(linearisation.pattern_of(node))),
         with_node(lambda node, linearisation: general_forward_stage(linearisation.pattern_of(node))),
     )
-    predict = predictor(compiled_dynamics(name))
-    return controls(predict, solve, model_has_drag=True)[1]

@@ -22,7 +22,7 @@ from hotlap.flight.control_loop import ControlLoop, issue, predict
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.mpc_reference import hover_inputs, read_reference
 from hotlap.flight.numbers import INLINE, aligned_zeros
-from hotlap.flight.observer import body_z, correct_target, observe, plan_bounds, push_of
+from hotlap.flight.observer import body_z, observe, plan_bounds, push_of
 from hotlap.flight.program import Number, Program, Tape, dot
 from hotlap.flight.segment_switch import piece_flown
 from hotlap.race.controllers import TUNABLE, ControllerKind
@@ -39,7 +39,6 @@ class Geometric(NamedTuple):
     Attributes:
         reference: (1, 14) p q v, inputs.
         acceleration: (3,) [m/s^2] (world) of the reference; less the push, where that is known.
-        push: (3,) [m/s^2] (world) acceleration that acts besides gravity and thrust; see `observer`.
         gains: (6,) k_pos_xy, k_pos_z, k_vel_xy, k_vel_z, k_attitude, k_yaw.
         low, high: (4,) bounds of the inputs.
         gravity: (1,) [m/s^2].
@@ -48,7 +47,6 @@ class Geometric(NamedTuple):
 
     reference: Any
     acceleration: Any
-    push: Any
     gains: Any
     low: Any
     high: Any
@@ -103,7 +101,7 @@ steer = compiled(steering_stage)
 
 def allocate_geometric(nodes: int, lanes: int, kind: type[np.floating[Any]]) -> Geometric:  # noqa: ARG001  it has no horizon
     """Raw memory, of one kind of float."""
-    sizes = ((1, 14), (3,), (3,), (len(GAINS),), (4,), (4,), (1,), (4,))
+    sizes = ((1, 14), (3,), (len(GAINS),), (4,), (4,), (1,), (4,))
     memory = Geometric(*(aligned_zeros((*size, lanes), kind) for size in sizes))
     memory.reference[:, 3].fill(1)
     return memory
@@ -148,10 +146,9 @@ def control_geometric(s: Settings, g: Geometric, p: ControlLoop) -> None:
     """One control step on all lanes: from the state seen to the command, `history[0]`."""
     if s.corrected:
         observe(s, p)
-        push_of(p, p.drag, False, p.push)
-        correct_target(p, g.reference[0], False, g.push)
+        push_of(p, p.seen, p.acted, p.push)
         for i in range(3):
-            g.acceleration[i] = g.acceleration[i] - g.push[i]
+            g.acceleration[i] = g.acceleration[i] - p.push[i]
         if s.offset_free:
             plan_bounds(s, p, g.low, g.high)
     predict(s, g.gravity, p)

@@ -12,6 +12,7 @@ class Settings(NamedTuple):
 
     Attributes:
         nodes, sweeps: of the controller.
+        node_parts: parts of a node in which `line_search` flies its model.
         stop_early: leave out sweeps that would change nothing; False: every control step is the same work.
         period: [s] of the control loop.
         steps: of the plant in each period.
@@ -40,6 +41,7 @@ class Settings(NamedTuple):
 
     nodes: int
     sweeps: int
+    node_parts: int
     stop_early: bool
     period: float
     steps: int

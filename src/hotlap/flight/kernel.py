@@ -51,7 +51,7 @@ class Lane(NamedTuple):
     thrust: Any
 
 
-def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
+def fly_queue(numbers: Numbers, law: str, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
     """Fly all flights of a queue in this thread; other threads may fly flights of the same queue meanwhile.
 
     Returns:
@@ -59,22 +59,22 @@ def fly_queue(numbers: Numbers, kind: ControllerKind, job: Job, settings: Settin
     """
     lanes, real, effort = numbers.lanes, numbers.dtype, np.zeros(2, dtype=np.int64)
     commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods, settings.acted_periods) + 2
-    controller = CONTROLLERS[kind].allocate(settings.nodes, lanes, real)
+    controller = CONTROLLERS[law].allocate(settings, lanes, real)
     memory = controller, allocate_control_loop(commands, lanes, real), allocate_vehicle_state(lanes, real)
     flight, tick, piece = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
     lane = Lane(flight, tick, piece, correlated=np.zeros((7, lanes)), thrust=np.zeros((2, lanes)))
-    worker(numbers, kind)(job, settings, gates, verdicts, *memory, lane, effort)
+    worker(numbers, law)(job, settings, gates, verdicts, *memory, lane, effort)
     return effort
 
 
 @cache
-def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Callable[..., None]:
-    """The compiled function (kernel) that flies a queue, for a kind of number and a controller; several threads may call it for one job.
+def worker(numbers: Numbers, law: str = ControllerKind.MPC) -> Callable[..., None]:
+    """The compiled function (kernel) that flies a queue, for a kind of number and a control law; several threads may call it for one job.
 
     Its arguments are those of `work` below; `effort` counts control steps of all lanes, and of lanes that flew, shape (2,).
     """
     width, lanes = numbers.width, numbers.lanes
-    begin, aim, control = CONTROLLERS[kind].begin, CONTROLLERS[kind].aim, CONTROLLERS[kind].control
+    begin, aim, control = CONTROLLERS[law].begin, CONTROLLERS[law].aim, CONTROLLERS[law].control
 
     def work(
         job: Job,
@@ -117,7 +117,7 @@ def worker(numbers: Numbers, kind: ControllerKind = ControllerKind.MPC) -> Calla
                     busy += _start_flight(job, s, gates.floor, loop, vehicle_state, lane, k) - 1
                     begin(job, s, memory, k)
 
-    return keep(njit(**COMPILE)(work), f"{kind}-{numbers}")
+    return keep(njit(**COMPILE)(work), f"{law}-{numbers}")
 
 
 @njit(**COMPILE)

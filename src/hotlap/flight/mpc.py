@@ -104,7 +104,8 @@ def allocate_mpc(
     """
     sizes = {
         "X": (nodes + 1, 10), "U": (nodes, 4), "reference": (nodes + 1, 14), "weights": (nodes + 1, 4), "input_weights": (4,),
-        "spacing": (1,), "low": (4,), "high": (4,), "push": (nodes + 1, 3), "constants": (constants,), "inputs": (nodes, 4), "deviation": (nodes + 1, 9),
+        "spacing": (1,), "low": (4,), "high": (4,), "push": (nodes + 1, 3), "constants": (constants,),
+        "inputs": (nodes, 4), "deviation": (nodes + 1, 9),
         "change": (2, 9), "jacobian": (nodes, jacobian), "gains": (nodes, GAIN_SIZE), "feed": (nodes, 4), "value": (2, P_SIZE),
         "slope": (2, 9), "scratch": (scratch,), "needs_sweep": (1,), "convergence": (2,),
     }  # fmt: skip

@@ -16,7 +16,7 @@ from hotlap.flight.job import Job, Settings
 from hotlap.flight.mpc import Mpc, solve
 from hotlap.flight.mpc_reference import hover_inputs, plan_as_reference, read_reference, respace_plan
 from hotlap.flight.numbers import INLINE
-from hotlap.flight.observer import correct_target, observe, plan_bounds, push_of
+from hotlap.flight.observer import disturbance_of, observe, plan_bounds, push_of, turn_target
 from hotlap.flight.segment_switch import BY_NODE, FRESH, piece_at, piece_flown
 from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.race.race import ControllerSettings
@@ -112,11 +112,12 @@ def controls(predict: Any, solve: Any, *, model_has_drag: bool = False) -> tuple
 
     @njit(**INLINE)
     def correct(s: Settings, m: Mpc, p: ControlLoop) -> None:
-        """Observe, and correct target and bounds for what was learnt and for drag."""
-        observe(s, p)
-        push_of(p, p.drag, model_has_drag, p.push)
-        for n in range(len(m.push)):
-            correct_target(p, m.reference[n], model_has_drag, m.push[n])
+        """Correct targets and bounds, at the last plan, for what was learnt and for drag."""
+        for n in range(len(m.reference)):
+            push_of(p, m.X[n], m.U[min(n, len(m.U) - 1)], m.push[n])
+            turn_target(m.reference[n], m.push[n], m.reference[n])
+            if model_has_drag:
+                disturbance_of(p, m.push[n])
         if s.offset_free:
             plan_bounds(s, p, m.low, m.high)
 
@@ -124,11 +125,16 @@ def controls(predict: Any, solve: Any, *, model_has_drag: bool = False) -> tuple
     def begin_plan(s: Settings, m: Mpc, p: ControlLoop) -> None:
         """Move the last plan on, and begin it at the state predicted."""
         if s.corrected:
-            correct(s, m, p)
+            observe(s, p)
+            push_of(p, p.seen, p.acted, p.push)
+            if model_has_drag:
+                disturbance_of(p, p.push)
         move_plan(m, p)
         predict(s, m.constants, p)
         for i in range(10):
             m.X[0, i] = p.seen[i]
+        if s.corrected:
+            correct(s, m, p)
 
     @njit(**INLINE)
     def control(s: Settings, m: Mpc, p: ControlLoop) -> None:

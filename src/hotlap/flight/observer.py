@@ -1,9 +1,9 @@
 """The observer of offset-free control: what the controller learns in flight about a vehicle that is not its model.
 
 A controller without integral action keeps an error wherever its model is wrong. Offset-free MPC adds what the model leaves out as
-states that do not change by themselves, estimates them with an observer, and corrects model and target for them (Muske, Badgwell, J. Process
-Control 12, 2002; Pannocchia, Rawlings, AIChE J. 49, 2003; Maeder, Borrelli, Morari, Automatica 45, 2009). Here these are k, the thrust
-effectiveness, and d, an acceleration (world); velocity v and body z from the measured state tell about them:
+states that do not change by themselves, estimates them with an observer, and corrects model and target for them (Muske, Badgwell,
+J. Process Control 12, 2002; Pannocchia, Rawlings, AIChE J. 49, 2003; Maeder, Borrelli, Morari, Automatica 45, 2009). Here these are k,
+the thrust effectiveness, and d, an acceleration (world); velocity v and body z from the measured state tell about them:
 
     v- = v + h (k T z - g e3 - drag + d),   e = v_measured - v-
     v  = v- + (1 - r^2) e,   d += (1 - r_d)^2 / h e,   k += (1 - r_k)^2 / h (z . e) T / (T^2 + T_0^2),   r = exp(-bandwidth h)
@@ -12,8 +12,7 @@ T is the thrust that was commanded a known dead time ago, within the rotors' lim
 not learnt: rotors that can give no more say nothing about the thrust of a command.
 
 The controller plans effective thrust: it commands T / k, may plan up to k times what may be commanded, and predicts with k times what was
-commanded. At each node of the horizon the acceleration a = d - drag(reference) acts besides the model, and the node's target makes up for
-it: thrust and body z of T z = T_ref z_ref - a, by the least tilt, where the table of the reference has no drag (`drag_free`).
+commanded. At each node of the horizon a = d - drag, of the last plan, acts besides the model, and the node's target makes up for it: thrust and body z of T z = T_ref z_ref - a, by the least tilt, where the table of the reference has no drag (`drag_free`).
 """
 
 from __future__ import annotations
@@ -50,7 +49,6 @@ LARGEST_DISTURBANCE = 12.0  # m/s^2, along each axis
 FULL = 0.97  # share of the rotors' thrust from which on k is not learnt
 EASY = 2.0  # m/s^2, T_0: below it the thrust says little about k; a target that is weaker has no direction
 LONGEST_STEP = 2.5  # control periods, over which an observation counts
-COMMANDED = 0.9  # share of the rotors' thrust that may be commanded: all of it would leave no torque
 
 
 def observer_numbers(race: Race) -> Floats:
@@ -73,18 +71,13 @@ def known_drag(race: Race, model_numbers: Floats) -> Floats:
     return np.where([name in ("gravity", "mass") for name in names], model_numbers, 0.0)
 
 
-def largest_thrust(race: Race) -> float:
-    """[m/s^2] The largest thrust that may be commanded: the controller's, or more where the rotors have it, for an effectiveness below 1."""
-    return max(race.controller.thrust[1], COMMANDED * race.control_model.max_acceleration)
-
-
 def drag_free(reference: Reference, gravity: float) -> Floats:
     """The reference's table, shape (rows, 14), with thrust and attitude as a vehicle without drag needs them for its accelerations.
 
     Attitudes are turned by the least tilt, and kept where the thrust is weak or would turn over.
     """
     table = reference.table
-    wanted = np.gradient(table[:, 7:10], reference.period, axis=0) + [0.0, 0.0, gravity]
+    wanted = np.gradient(table[:, 7:10], reference.period, axis=0) + np.array([0.0, 0.0, gravity])
     size = np.linalg.norm(wanted, axis=1, keepdims=True)
     axis, z = wanted / np.maximum(size, EASY), thrust_axis(table[:, 3:7])
     along = np.einsum("ij,ij->i", axis, z)[:, None]
@@ -132,7 +125,7 @@ def _within(value: Number, low: float, high: float) -> Number:
 
 
 def target_stage() -> Program:
-    """(target, acceleration) -> target with the thrust vector T z - acceleration, by the least tilt; kept where that is weak or turns over."""
+    """(target, acceleration) -> target with thrust vector T z - acceleration, by the least tilt; kept where it is weak or turns over."""
     tape = Tape()
     target, acceleration = tape.array(0, 14), tape.array(1, 3)
     q, z = target[3:7], body_z(target[3:7])
@@ -162,37 +155,33 @@ observe_motion, turn_target = compiled(observation_stage), compiled(target_stage
 
 @njit(**INLINE)
 def observe(s: Settings, p: Any) -> None:
-    """Take the state seen into the estimates of all lanes, and find the acceleration that the model leaves out now, `ControlLoop.push`.
+    """Take the state seen into the estimates of all lanes.
 
     Args:
         s: settings.
-        p: the control loop's memory, as numbers.
+        p: the control loop's memory, as numbers; `acted` is the command that acted until now, as the model understands it.
     """
     n = s.acted_periods
     p.sent[0] = p.history[n, 0] + s.acted_rest * (p.history[n + 1, 0] - p.history[n, 0])
     p.acted[0] = p.estimate[EFFECTIVENESS] * p.sent[0]
-    air_drag(p.seen, p.acted, p.known_drag, p.drag)
     if s.offset_free:
+        air_drag(p.seen, p.acted, p.known_drag, p.drag)
         observe_motion(p.estimate, p.seen, p.sent, p.drag, p.observer, p.estimate)
 
 
 @njit(**INLINE)
-def push_of(p: Any, drag: Any, model_has_drag: bool, push: Any) -> None:
-    """The acceleration that acts besides a model: d, and the drag where the model has none."""
+def push_of(p: Any, state: Any, command: Any, push: Any) -> None:
+    """The acceleration that acts besides gravity and thrust in a state with an input, (3,): d - drag."""
+    air_drag(state, command, p.known_drag, p.drag)
     for i in range(3):
-        push[i] = p.estimate[DISTURBANCE + i] if model_has_drag else p.estimate[DISTURBANCE + i] - drag[i]
+        push[i] = p.estimate[DISTURBANCE + i] - p.drag[i]
 
 
 @njit(**INLINE)
-def correct_target(p: Any, target: Any, model_has_drag: bool, push: Any) -> None:
-    """Correct the target of one node, (14,) p q v inputs, and find the acceleration that acts there besides the model, (3,)."""
-    air_drag(target[:10], target[10:], p.known_drag, p.drag)
+def disturbance_of(p: Any, push: Any) -> None:
+    """The acceleration that acts besides a model with drag, (3,): d."""
     for i in range(3):
-        push[i] = p.estimate[DISTURBANCE + i] - p.drag[i]
-    turn_target(target, push, target)
-    if model_has_drag:
-        for i in range(3):
-            push[i] = p.estimate[DISTURBANCE + i]
+        push[i] = p.estimate[DISTURBANCE + i]
 
 
 @njit(**INLINE)

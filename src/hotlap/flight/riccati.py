@@ -94,16 +94,20 @@ def _diagonal(weights: Sequence[Number]) -> list[Number]:
 
 def state_gradient(diagonal: Sequence[Number], x: Sequence[Number], deviation: Sequence[Number], r: Sequence[Number]) -> list[Number]:
     """Q (x + deviation - reference) in tangent coordinates."""
-    a, b = x[3:7], r[3:7]
-    error = [
-        a[0] * b[1] - a[1] * b[0] - a[2] * b[3] + a[3] * b[2],
-        a[0] * b[2] - a[2] * b[0] - a[3] * b[1] + a[1] * b[3],
-        a[0] * b[3] - a[3] * b[0] - a[1] * b[2] + a[2] * b[1],
-    ]  # vec(conj(q) o q_ref)
+    error = attitude_error(x[3:7], r[3:7])
     return [
         *(diagonal[i] * (x[i] + deviation[i] - r[i]) for i in range(3)),
         *(diagonal[3 + i] * (deviation[3 + i] - 2.0 * error[i]) for i in range(3)),
         *(diagonal[6 + i] * (x[7 + i] + deviation[6 + i] - r[7 + i]) for i in range(3)),
+    ]
+
+
+def attitude_error(a: Sequence[Number], b: Sequence[Number]) -> list[Number]:
+    """From attitude a to b (body): the vector part of conj(a) o b."""
+    return [
+        a[0] * b[1] - a[1] * b[0] - a[2] * b[3] + a[3] * b[2],
+        a[0] * b[2] - a[2] * b[0] - a[3] * b[1] + a[1] * b[3],
+        a[0] * b[3] - a[3] * b[0] - a[1] * b[2] + a[2] * b[1],
     ]
 
 

@@ -29,7 +29,7 @@ from hotlap.flight.kernel import worker
 from hotlap.flight.kernel_cache import check_file_of
 from hotlap.flight.numbers import Numbers
 from hotlap.race.battery import Battery
-from hotlap.race.controllers import ControllerKind
+from hotlap.race.controller_kind import kind_and_solver
 from hotlap.race.obstacles import Pole
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, NoiseSettings, Race
@@ -42,6 +42,7 @@ Floats = NDArray[np.float64]
 
 STEPS, NODES = 24, 4  # control periods of a flight, nodes of the horizon
 REFILLED = 3  # flights beyond one a lane
+THRUST = (0.1, 20.0)  # m/s^2, less than the rotors have
 HORIZON_UNIT, SPREAD = 0.1, 0.3  # [s] of the horizon; of the logarithms of the parameters: half of the commands meet a bound
 JUDGED = ("mean_error", "max_error", "rim_distance", "closest_distance", "end_time", "end", "gates_passed", "cause", "cause_index")
 TOLERANCE = 2e-3  # of every number in a log, in its unit and relative: single precision stays below 5e-5
@@ -82,43 +83,43 @@ GATES = (
 POLE = Pole(position=(-0.12, 0.075), radius=0.03)  # met by the first flight, which passes two gates before
 
 
-def agrees(numbers: Numbers, kind: ControllerKind) -> bool:
+def agrees(numbers: Numbers, law: str) -> bool:
     """Whether a kernel passes its self-check, which runs once; the result is written beside the kernel in the cache.
 
     Args:
         numbers: kind of number of the kernel.
-        kind: its controller.
+        law: its control law.
 
     Raises:
         HotlapError: the interpreter could not be started, or failed.
     """
-    result_file = check_file_of(worker(numbers, kind))
+    result_file = check_file_of(worker(numbers, law))
     if result_file is None:  # there is no compiler that could be wrong
         return True
     with suppress(OSError, UnicodeDecodeError):
         text = result_file.read_text(encoding="ascii")
         if text in (AGREES, DIFFERS):
             return text == AGREES
-    result = check(numbers, kind)
+    result = check(numbers, law)
     with suppress(OSError):
         result_file.parent.mkdir(parents=True, exist_ok=True)
         result_file.write_text(AGREES if result else DIFFERS, encoding="ascii")
     return result
 
 
-def check(numbers: Numbers, kind: ControllerKind) -> bool:
+def check(numbers: Numbers, law: str) -> bool:
     """Run the self-check of a kernel; one that cannot be compiled does not pass.
 
     Args:
         numbers: kind of number of the kernel.
-        kind: its controller.
+        law: its control law.
 
     Raises:
         HotlapError: the interpreter could not be started, or failed.
     """
-    with interpreter(kind, numbers.lanes) as running:  # flies while the kernel is compiled
+    with interpreter(law, numbers.lanes) as running:  # flies while the kernel is compiled
         try:
-            flown = fly_compiled(numbers, kind)
+            flown = fly_compiled(numbers, law)
         except (NumbaError, NotImplementedError, RuntimeError):
             return False
         return same(flown, arrays_of(answer_of(running)))
@@ -142,21 +143,21 @@ def draw_flights(scenario: Scenario, lanes: int) -> tuple[Parameters, NDArray[np
     return space.clip(space.default * np.exp(steps)), np.arange(flights, dtype=np.int64)
 
 
-def fly_compiled(numbers: Numbers, kind: ControllerKind) -> list[Floats]:
+def fly_compiled(numbers: Numbers, law: str) -> list[Floats]:
     """Fly all flights with a kernel.
 
     Returns:
         Logs of the flights that are compared, with the columns of `Job.logs`; and what the judge says of them.
     """
-    scenario, rows = make_scenario(kind), compared(numbers.lanes)
+    scenario, rows = make_scenario(law), compared(numbers.lanes)
     parameters, seeds = draw_flights(scenario, numbers.lanes)
     flown, _ = fly_batch(scenario, parameters, seeds, numbers=numbers, threads=1, log=rows)
     return _logged(flown, rows)
 
 
-def fly_interpreted(kind: ControllerKind, lanes: int) -> list[Floats]:
+def fly_interpreted(law: str, lanes: int) -> list[Floats]:
     """Fly the flights that are compared in plain Python, as `fly_compiled`; in a process without a compiler."""
-    scenario, rows = make_scenario(kind), compared(lanes)
+    scenario, rows = make_scenario(law), compared(lanes)
     parameters, seeds = draw_flights(scenario, lanes)
     with np.errstate(over="ignore"):  # hashes overflow
         flown, _ = fly_batch(scenario, parameters[rows], seeds[rows], numbers=Numbers.FLOAT64, threads=1, log=range(len(rows)))
@@ -171,7 +172,7 @@ def _logged(flown: Flights, rows: Sequence[int]) -> list[Floats]:
 
 
 @contextmanager
-def interpreter(kind: ControllerKind, lanes: int) -> Iterator[subprocess.Popen[bytes]]:
+def interpreter(law: str, lanes: int) -> Iterator[subprocess.Popen[bytes]]:
     """A process without a compiler that does `fly_interpreted` and writes what it finds to its standard output.
 
     Raises:
@@ -180,7 +181,7 @@ def interpreter(kind: ControllerKind, lanes: int) -> Iterator[subprocess.Popen[b
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(path or "." for path in sys.path)}
     try:
         running = subprocess.Popen(
-            [sys.executable or "python3", "-c", PROGRAM, str(kind), str(lanes)],
+            [sys.executable or "python3", "-c", PROGRAM, law, str(lanes)],
             env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         )  # fmt: skip
     except OSError as error:
@@ -211,14 +212,14 @@ def arrays_of(answer: bytes) -> list[Floats]:
         return [arrays[name] for name in arrays.files]
 
 
-def write_answer(kind: str, lanes: str) -> None:
+def write_answer(law: str, lanes: str) -> None:
     """The program of the interpreter's process: fly, and write what was flown and judged to the standard output."""
     answer = BytesIO()
-    np.savez(answer, *fly_interpreted(ControllerKind(kind), int(lanes)))
+    np.savez(answer, *fly_interpreted(law, int(lanes)))
     sys.stdout.buffer.write(answer.getvalue())
 
 
-def make_scenario(kind: ControllerKind) -> Scenario:
+def make_scenario(law: str) -> Scenario:
     """The scenario of the self-check: hover at a place, which jumps away after half of the time."""
     rows, end = STEPS + 40, PERIOD * STEPS
     position, zeros = np.zeros((rows, 3)), np.zeros((rows, 3))
@@ -226,7 +227,8 @@ def make_scenario(kind: ControllerKind) -> Scenario:
     attitude, thrust, unknown = np.tile([1.0, 0.0, 0.0, 0.0], (rows, 1)), np.full(rows, DRONE.gravity), np.full((rows, 4), np.nan)
     reference = Reference(position, attitude, zeros, zeros, thrust, unknown, end - PERIOD * np.array([0.5, 0.25, 0.0]), end)
     track = Track(name="self-check", start=(0.0, 0.0, 0.0), gates=GATES, poles=(POLE,))
-    settings = ControllerSettings(kind=kind, nodes=NODES, horizon_unit=HORIZON_UNIT)
+    kind, solver = kind_and_solver(law)
+    settings = ControllerSettings(kind=kind, solver=solver, nodes=NODES, thrust=THRUST, horizon_unit=HORIZON_UNIT)
     judge = JudgeSettings(rule=GateRule.OPENING, window=(end, 0.0), fly_on=True)
     race = Race(name="self-check", track=track, vehicle=DRONE, controller=settings, noise=NOISE, judge=judge)
     return Scenario(race, reference, Segments(np.array([0.0, end / 4]), (SegmentClass.FLAT, SegmentClass.FLAT), end))

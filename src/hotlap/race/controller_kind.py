@@ -16,3 +16,25 @@ class ControllerKind(StrEnum):
     MPC = "mpc"
     MPC_DRAG = "mpc_drag"
     GEOMETRIC = "geometric"
+
+
+class Solver(StrEnum):
+    """How an MPC solves its problem in each control step.
+
+    REAL_TIME: one linearisation around the last plan, whose quadratic problem is swept: the paper's, and the fastest.
+    LINE_SEARCH: each sweep linearises anew, and takes a step that lowers the cost; inputs are offsets from the reference's.
+    """
+
+    REAL_TIME = "real_time"
+    LINE_SEARCH = "line_search"
+
+
+def law_of(kind: ControllerKind, solver: Solver = Solver.REAL_TIME) -> str:
+    """The name of a control law: a kind of controller, and how it solves its problem where that is not usual."""
+    return str(kind) if solver is Solver.REAL_TIME else f"{kind}-{solver}"
+
+
+def kind_and_solver(law: str) -> tuple[ControllerKind, Solver]:
+    """The inverse of `law_of`."""
+    kind, _, solver = law.partition("-")
+    return ControllerKind(kind), Solver(solver) if solver else Solver.REAL_TIME

@@ -12,5 +12,5 @@ class ObserverSettings(Described):
 
     thrust: float = Field(default=10.0, ge=0, le=100)
     """[rad/s] bandwidth of the thrust effectiveness, the thrust that acts over the thrust that was commanded. 0: it is taken to be 1."""
-    acceleration: float = Field(default=5.0, ge=0, le=100)
+    acceleration: float = Field(default=10.0, ge=0, le=100)
     """[rad/s] bandwidth of the disturbance, an acceleration in the world that nothing else explains. 0: it is taken to be none."""

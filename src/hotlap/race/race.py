@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from hotlap.race.controller_kind import Solver, law_of
 from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.race.observer import ObserverSettings
 from hotlap.race.quadrotor import Quadrotor
@@ -98,6 +99,8 @@ class SegmentSwitch(StrEnum):
 
 USUAL_SHARE = 0.85  # of the rotor thrust, for a plan of which nothing is said: docs/planning.md
 LEAST_THRUST = 0.1  # m/s^2, of a collective command
+USUAL_NODES, USUAL_PERIOD = 20, 0.01  # s
+MOST_NODES = 100
 
 
 class ControllerSettings(Described):
@@ -107,12 +110,14 @@ class ControllerSettings(Described):
 
     kind: ControllerKind = ControllerKind.MPC
     """which controller flies."""
-    nodes: int = Field(default=20, ge=2, le=100)
+    nodes: int = Field(default=USUAL_NODES, ge=2, le=MOST_NODES)
     """N, intervals of the horizon."""
-    period: float = Field(default=0.01, gt=0, le=0.1)
+    period: float = Field(default=USUAL_PERIOD, gt=0, le=0.1)
     """[s] of the control loop."""
     sweeps: int = Field(default=2, ge=1, le=10)
     """box-constrained Riccati sweeps per control step."""
+    solver: Solver | None = None
+    """how an MPC solves its problem. None: "real_time" with 20 nodes, 0.01 s, two sweeps or more and up to 3.5 s, else "line_search"."""
     thrust: tuple[NotNegative, Positive] = (LEAST_THRUST, 20.0)
     """[m/s^2] least and largest collective thrust per mass (in a race that does not say it: up to what the model's rotors give)."""
     rates: tuple[Positive, Positive, Positive] = (10.0, 10.0, 3.0)
@@ -162,9 +167,60 @@ class ControllerSettings(Described):
                 raise ValueError(f"low[{i}]: {low:g} is not below high[{i}] = {high:g}")
             if not low <= value <= high:
                 raise ValueError(f"default[{i}]: {value:g} is not within its bounds [{low:g}, {high:g}]")
+        self._check_horizon()
         return self
 
+    def _check_horizon(self) -> None:
+        """Refuse a horizon on which the controller would not follow its reference, even with a vehicle equal to its model."""
+        if not self._horizon_index:
+            return
+        if self.solver is Solver.REAL_TIME and not self.converges_in_real_time:
+            raise ValueError(f'solver: "real_time" converges with {REAL_TIME_RANGE}; "line_search" does without')
+        if self.period > LONGEST_PERIOD + ALMOST:
+            raise ValueError(f"period: an MPC follows with up to {LONGEST_PERIOD:g} s, not {self.period:g} s")
+        if self.longest_horizon > LONGEST_HORIZON + ALMOST:
+            raise ValueError(f"high[{self._horizon_index}]: a horizon of {self.longest_horizon:g} s is longer than {LONGEST_HORIZON:g} s")
+        if self.widest_spacing > WIDEST_SPACING + ALMOST:
+            apart = f"{self.nodes} nodes over a horizon of up to {self.longest_horizon:g} s lie {self.widest_spacing:.3g} s apart"
+            nodes, high = math.ceil(self.longest_horizon / WIDEST_SPACING - ALMOST), WIDEST_SPACING * self.nodes / self.horizon_unit
+            cure = f"set {nodes} nodes, or high[{self._horizon_index}] = {high:.3g}"
+            raise ValueError(f"nodes: {apart}, and an MPC follows with up to {WIDEST_SPACING:g} s: {cure}")
 
+    @property
+    def _horizon_index(self) -> int:
+        """Place of the horizon among the parameters; 0 for a controller without one."""
+        names = TUNABLE[self.kind].names
+        return names.index("horizon") if "horizon" in names else 0
+
+    @property
+    def longest_horizon(self) -> float:
+        """[s] The longest horizon that may be tuned; 0 for a controller without one."""
+        return self.high[self._horizon_index] * self.horizon_unit if self._horizon_index else 0.0
+
+    @property
+    def widest_spacing(self) -> float:
+        """[s] between the nodes of that."""
+        return self.longest_horizon / self.nodes
+
+    @property
+    def converges_in_real_time(self) -> bool:
+        """Whether one linearisation a control step is known to suffice over all horizons that may be tuned."""
+        quick = self.nodes <= USUAL_NODES and self.sweeps >= 2 and self.period <= USUAL_PERIOD
+        return quick and self.longest_horizon <= 3.5 + ALMOST and self.widest_spacing <= 0.175 + ALMOST
+
+    @property
+    def law(self) -> str:
+        """The control law: the kind, and how it solves its problem."""
+        if not self._horizon_index:
+            return law_of(self.kind)
+        usual = self.converges_in_real_time and self.nodes == USUAL_NODES and self.period == USUAL_PERIOD
+        return law_of(self.kind, self.solver or (Solver.REAL_TIME if usual else Solver.LINE_SEARCH))
+
+
+REAL_TIME_RANGE = "up to 20 nodes, at least 2 sweeps, a period of up to 0.01 s and a horizon of up to 3.5 s, 0.175 s a node"
+WIDEST_SPACING, LONGEST_PERIOD, LONGEST_HORIZON = 0.2, 0.05, 14.0
+"""[s] Between nodes, of the control loop and of the horizon: an MPC follows what its model can fly to 0.03 m (docs/controller.md)."""
+ALMOST = 1e-9
 PLANT_STEP = 0.0025  # s, of the built-in plant
 
 

@@ -69,7 +69,7 @@ def _rows(scene: Scene, scenario: Scenario) -> list[Row]:
     """The charts from top to bottom: collective thrust, three body rates, rotor thrusts."""
     flight, reference, settings = scene.traces[0], scene.reference, scenario.race.controller
     planned = slice(0, reference.planned_rows)
-    rows = [Row("thrust\n[m/s²]", settings.thrust, flight.commands[:, :1], reference.thrust[planned])]
+    rows = [Row("thrust\n[m/s²]", scenario.thrust_limits, flight.commands[:, :1], reference.thrust[planned])]
     for j, name in enumerate(("roll", "pitch", "yaw")):
         limit = settings.rates[j]
         rows.append(Row(f"{name} rate\n[rad/s]", (-limit, limit), flight.commands[:, j + 1 : j + 2], reference.rates[planned, j]))

@@ -34,6 +34,7 @@ class Trace:
         rates: shape (n, 3) [rad/s] (body).
         rotor_thrusts: shape (n, 4) [N].
         commands: shape (n, 4): thrust per mass [m/s^2] and rates [rad/s].
+        estimates: shape (n, 4): thrust effectiveness [-] and disturbance [m/s^2] (world); None where none are estimated.
         end: how the flight ended.
         ending: the same in words.
         end_time: [s] of the last passed gate, the miss or the crash.
@@ -55,6 +56,7 @@ class Trace:
     rates: Floats
     rotor_thrusts: Floats
     commands: Floats
+    estimates: Floats | None
     end: End
     ending: str
     end_time: float
@@ -168,6 +170,7 @@ def trace(scenario: Scenario, flights: Flights, index: int, label: str) -> Trace
         rates=states[:, 10:13],
         rotor_thrusts=log.rotor_thrusts[rows],
         commands=log.commands[rows],
+        estimates=log.estimates[rows] if scenario.offset_free and log.estimates is not None else None,
         end=end,
         ending=_ending(scenario.race, flights, index),
         end_time=end_time,

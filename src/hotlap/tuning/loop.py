@@ -34,7 +34,6 @@ FEW = 4  # candidates of a population that are confirmed
 SCREENED = 48  # flights after which a validation of one may be given up
 
 
-
 @dataclass(frozen=True)
 class Request:
     """Flights that a run wants flown.

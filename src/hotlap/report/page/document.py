@@ -202,7 +202,7 @@ def dump_scenario(scenario: Scenario) -> dict[str, Any]:
         "pieces": pieces,
         "segment_names": [f"{i + 1} {kind}" for i, kind in enumerate(segments.segment_classes)],
         "reference": _reference(scenario),
-        "limits": {"thrust": list(settings.thrust), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
+        "limits": {"thrust": list(scenario.thrust_limits), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
         "rotors": rotor_positions(vehicle.layout, vehicle.arm).tolist(),
     }
 
@@ -214,6 +214,14 @@ def _reference(scenario: Scenario) -> dict[str, Any]:
     arrays = {name: getattr(reference, name)[rows] for name in ("position", "attitude", "thrust", "rates")}
     speed = np.linalg.norm(reference.velocity[rows], axis=1)
     return {name: pack(values) for name, values in {"time": reference.times[rows], "speed": speed, **arrays}.items()}
+
+
+def _estimates(trace: Trace, rows: slice) -> dict[str, Any]:
+    """What the controller has estimated: thrust effectiveness, and the size of the disturbance; None where it estimates nothing."""
+    if trace.estimates is None:
+        return {"thrust_effectiveness": None, "disturbance": None}
+    size = np.linalg.norm(trace.estimates[rows, 1:], axis=1)
+    return {"thrust_effectiveness": pack(trace.estimates[rows, 0]), "disturbance": pack(size)}
 
 
 def dump_trace(trace: Trace, efforts: tuple[Effort, Effort]) -> dict[str, Any]:
@@ -241,6 +249,7 @@ def dump_trace(trace: Trace, efforts: tuple[Effort, Effort]) -> dict[str, Any]:
         "end_time": number(trace.end_time),
         "end_position": numbers(trace.end_position),
         **{name: pack(values[rows]) for name, values in series.items()},
+        **_estimates(trace, rows),
         "gate_distance": pack(trace.gate_distance),
         "seen_times": pack(trace.seen_times),
         "effort": {**own, "reference": reference},
