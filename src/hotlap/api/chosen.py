@@ -138,7 +138,7 @@ class PlanChoice:
         shutil.rmtree(place, ignore_errors=True)
         with suppress(OSError):  # the others stay, to be looked at
             (self.folder / PLANS).rmdir()
-        left = {"budget": self.left + chosen.flights, "minutes": self.settings.minutes}
+        left = {"budget": self.left + chosen.flights, "minutes": self.settings.minutes, "selection": self.settings.selection}
         return replace(configuration, settings=replace(configuration.settings, **left))
 
     def _attempt(self, share: float) -> TriedPlan | None:
@@ -147,9 +147,8 @@ class PlanChoice:
         if budget < self.settings.confirm + FEWEST:
             return None
         try:
-            configuration = self.configure(
-                self.race.with_share(share), replace(self.settings, budget=budget, minutes=minutes_each(self.settings))
-            )
+            settings = replace(self.settings, budget=budget, minutes=minutes_each(self.settings), selection=0)
+            configuration = self.configure(self.race.with_share(share), settings)
         except PlanningError as error:
             tried = TriedPlan(share, None, 0, None, holds=False, end=f"there is no plan ({error.reason})")
         else:
