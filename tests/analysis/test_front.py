@@ -91,9 +91,11 @@ def test_what_was_chosen_by_luck_gives_way_to_the_next():
         severity = 0.75 if trial.plan_settings.thrust == 3.0 else 1.0
         return {key: {"lap": 4.1, "severity": severity, "nominal": 1.0, "rates": [0.97] * len(CONDITIONS)}}
 
-    best = winner(RACE, "guided_walk", SETTINGS, CONDITIONS, points, judge)
+    best, known = winner(RACE, "guided_walk", SETTINGS, CONDITIONS, points, judge)
     assert (best.plan_settings.thrust, best.lap) == (4.0, 4.1)
-    assert winner(RACE, "guided_walk", SETTINGS, CONDITIONS, points[:2], judge) is None
+    assert best in known
+    assert [one.standing.severity for one in known] == [0.5, 0.75, 1.0], "what was luck is known for it"
+    assert winner(RACE, "guided_walk", SETTINGS, CONDITIONS, points[:2], judge)[0] is None
 
 
 class Scales:

@@ -192,8 +192,8 @@ def front(points: Iterable[Point]) -> list[Point]:
 
 def winner(
     race: Race, tuner: str, settings: TuningSettings, conditions: tuple[Condition, ...], points: Iterable[Point], judge: Do
-) -> Point | None:
-    """The soonest plan that stands all that was asked for in flights that it was not chosen by; with what these found.
+) -> tuple[Point | None, list[Point]]:
+    """The soonest plan that stands all that was asked for in flights that it was not chosen by, and all plans with what these found.
 
     Args:
         race: as for `search`.
@@ -203,11 +203,15 @@ def winner(
         points: what was tried.
         judge: works trials off, by keys, and gives what `judge_under_conditions` finds of each.
     """
-    for point in sorted((point for point in points if point.holds), key=lambda point: point.lap):
+    known = sorted(points, key=lambda point: point.lap)
+    for i, point in enumerate(known):
+        if not point.holds:
+            continue
         key = f"{point.plan_settings.key}, once more"
         trial = Trial(race, point.plan_settings, tuner, settings, parameters=point.parameters, conditions=conditions)
         again = judge({key: trial})[key]
-        if again["severity"] >= 1.0:
-            stands = Standing(again["severity"], again["nominal"], tuple(again["rates"]), again["lap"])
-            return replace(point, lap=again["lap"], standing=stands)
-    return None
+        stands = Standing(again["severity"], again["nominal"], tuple(again["rates"]), again["lap"])
+        known[i] = replace(point, lap=again["lap"] or point.lap, standing=stands)
+        if known[i].holds:
+            return known[i], known
+    return None, known

@@ -52,7 +52,7 @@ def run(
         partial(jobs.each, unit, work=work) for unit, work in (("plans", try_under_conditions), ("flown again", judge_under_conditions))
     )
     points = search(race, *tuning, conditions, do)
-    best = winner(race, *tuning, conditions, points, judge)
+    best, points = winner(race, *tuning, conditions, points, judge)
     stair, known = front(points), {"seed": tuning[1].seed, "hold": options.hold}
     places = {
         point: write_planned_race(
