@@ -132,7 +132,7 @@ class LostWorld(PlausibleWorld):
     def fly(self, *args, **kwargs):
         flights = super().fly(*args, **kwargs)
         nowhere, none = np.full_like(flights.end_position, np.nan), np.full_like(flights.clock_distance, np.nan)
-        logs = {i: Log(*(values[: self.rows] for values in vars(log).values())) for i, log in flights.logs.items()}
+        logs = {i: Log(*(None if row is None else row[: self.rows] for row in vars(log).values())) for i, log in flights.logs.items()}
         ends, zeros = np.full_like(flights.end, int(End.CRASHED)), np.zeros_like(flights.gates_passed)
         return replace(flights, logs=logs, end=ends, gates_passed=zeros, end_position=nowhere, clock_distance=none, closest_time=none)
 
