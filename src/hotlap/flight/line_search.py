@@ -9,8 +9,9 @@ obeys the model, and no sweep makes it worse. A node's input is an offset from t
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 from numba import njit
 
@@ -20,7 +21,8 @@ from hotlap.flight.job import Settings
 from hotlap.flight.lanes import every, number, select
 from hotlap.flight.mpc import Mpc, backward, linearise, terminal
 from hotlap.flight.numbers import COMPILE, INLINE, aligned_zeros
-from hotlap.flight.observer import disturbance_of, observe, plan_bounds, push, push_of, turn_target
+from hotlap.flight.observer import push
+from hotlap.flight.plan_offsets import add_reference, command_of, corrector, leave_reference
 from hotlap.flight.riccati import GAIN_SIZE
 from hotlap.flight.shooting import add_input_cost, add_state_cost, follow_policy, input_in_part, make_unit
 
@@ -28,68 +30,37 @@ TRIALS, SHORTER = 5, 0.25  # steps that are tried: 1, 1 / 4, 1 / 16, ...
 LONGEST_PART = 0.05  # s, of a node
 
 
-class SearchMpc(NamedTuple):
-    """Memory of the controller; the first part is that of `Mpc`, where X and U are offsets from the reference between control steps.
-
-    Attributes:
-        states: (N + 1, 10) of the trial; its inputs are `inputs`.
-        cost: (2,) of the plan, of the trial.
-        share: (1,) of the feed-forward that the trial takes.
-        open: (1,) 1 where the sweep has not lowered the cost yet.
-        fresh: (1,) 1 where a flight begins.
-        part: (1,) [s] length of a part of a node.
-        inputs_in_parts: (N, parts, 4) of the reference.
-        mean_inputs: (N, 4) of the reference over each node.
-        inputs_now: (4,) of the reference over the present control period.
-        gains_before: (N, 36) of the last control step.
-        acting, after: (4,), (10,) input in a part, and the state after it.
-    """
-
-    X: Any
-    U: Any
-    reference: Any
-    weights: Any
-    input_weights: Any
-    spacing: Any
-    low: Any
-    high: Any
-    push: Any
-    constants: Any
-    inputs: Any
-    deviation: Any
-    change: Any
-    jacobian: Any
-    gains: Any
-    feed: Any
-    value: Any
-    slope: Any
-    scratch: Any
-    needs_sweep: Any
-    convergence: Any
-    states: Any
-    cost: Any
-    share: Any
-    open: Any
-    fresh: Any
-    part: Any
-    inputs_in_parts: Any
-    mean_inputs: Any
-    inputs_now: Any
-    gains_before: Any
-    acting: Any
-    after: Any
-
-
-def allocate_search(memory: Mpc, parts: int) -> SearchMpc:
-    """Raw memory, with that of a controller as its first part, for so many parts of a node."""
-    lanes, kind, nodes = memory.X.shape[-1], memory.X.dtype.type, len(memory.U)
-    sizes = {
+def _own_sizes(nodes: int, parts: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of what a search needs besides `Mpc`, for nodes of so many parts."""
+    return {
         "states": (nodes + 1, 10), "cost": (2,), "share": (1,), "open": (1,), "fresh": (1,), "part": (1,),
         "inputs_in_parts": (nodes, parts, 4), "mean_inputs": (nodes, 4), "inputs_now": (4,), "gains_before": (nodes, GAIN_SIZE),
         "acting": (4,), "after": (10,),
     }  # fmt: skip
+
+
+SearchMpc = namedtuple("SearchMpc", (*Mpc._fields, *_own_sizes(0, 0)))  # noqa: PYI024  its first fields are those of another
+"""Memory of the controller: that of `Mpc`, where X and U are offsets from the reference between control steps, and
+
+    states: (N + 1, 10) of the trial; its inputs are `inputs`.
+    cost: (2,) of the plan, of the trial.
+    share: (1,) of the feed-forward that the trial takes.
+    open: (1,) 1 where the sweep has not lowered the cost yet.
+    fresh: (1,) 1 where a flight begins.
+    part: (1,) [s] length of a part of a node.
+    inputs_in_parts: (N, parts, 4) of the reference.
+    mean_inputs: (N, 4) of the reference over each node.
+    inputs_now: (4,) of the reference over the present control period.
+    gains_before: (N, 36) of the last control step.
+    acting, after: (4,), (10,) input in a part, and the state after it.
+"""
+
+
+def allocate_search(memory: Mpc, parts: int) -> Any:
+    """Raw memory `SearchMpc`, with that of a controller as its first part, for so many parts of a node."""
+    lanes, kind, nodes = memory.X.shape[-1], memory.X.dtype.type, len(memory.U)
     memory.X[:, 3].fill(0)
-    return SearchMpc(*memory, **{name: aligned_zeros((*size, lanes), kind) for name, size in sizes.items()})
+    return SearchMpc(*memory, **{name: aligned_zeros((*size, lanes), kind) for name, size in _own_sizes(nodes, parts).items()})
 
 
 def search(
@@ -104,10 +75,33 @@ def search(
         node: (state, input, duration, constants, state after it).
         model_has_drag: whether the model has the vehicle's drags itself.
     """
+    correct = corrector(model_has_drag=model_has_drag)
+    warm_start, sweep = _iteration(_trial(node), _policy(linearise, backward))
+
+    @njit(**INLINE)
+    def control(s: Settings, m: Any, p: ControlLoop) -> None:
+        """The whole step."""
+        if s.corrected:
+            correct(s, m, p)
+        predict(s, m.constants, p)
+        add_reference(m)
+        for i in range(10):
+            m.states[0, i] = p.seen[i]
+        warm_start(m, s.corrected)
+        for _ in range(s.sweeps):
+            sweep(m, s.stop_early, s.corrected)
+        leave_reference(m)
+        command_of(s, m)
+        issue(s, p, m.acting)
+
+    return control
+
+
+def _trial(node: Callable[..., None]) -> Any:
+    """A compiled function of (memory, pushed) that flies the policy from the first state of the trial, and adds up what it costs."""
 
     @njit(**COMPILE)
-    def fly_trial(m: SearchMpc, pushed: bool) -> None:
-        """Fly the policy from the first state of the trial, and add up what it costs."""
+    def fly_trial(m: Any, pushed: bool) -> None:
         nodes = len(m.U)
         m.cost[1] = number(m.cost[1], 0.0)
         for n in range(nodes):
@@ -126,23 +120,29 @@ def search(
                 make_unit(m.states[n + 1])
         add_state_cost(m.states[nodes], m.reference[nodes], m.weights[nodes], m.cost[1:], m.cost[1:])
 
-    @njit(**COMPILE)
-    def take_trial(m: SearchMpc) -> None:
-        """Make the trial the plan in lanes that are open and in which it costs less."""
-        nodes, zero = len(m.U), number(m.cost[1], 0.0)
-        better = select(m.cost[1] < m.cost[0], m.open[0], zero) > 0.5
-        for n in range(nodes + 1):
-            for i in range(10):
-                m.X[n, i] = select(better, m.states[n, i], m.X[n, i])
-        for n in range(nodes):
-            for a in range(4):
-                m.U[n, a] = select(better, m.inputs[n, a], m.U[n, a])
-        m.cost[0] = select(better, m.cost[1], m.cost[0])
-        m.open[0] = select(better, zero, m.open[0])
+    return fly_trial
+
+
+@njit(**COMPILE)
+def take_trial(m: Any) -> None:
+    """Make the trial the plan in lanes that are open and in which it costs less."""
+    nodes, zero = len(m.U), number(m.cost[1], 0.0)
+    better = select(m.cost[1] < m.cost[0], m.open[0], zero) > 0.5
+    for n in range(nodes + 1):
+        for i in range(10):
+            m.X[n, i] = select(better, m.states[n, i], m.X[n, i])
+    for n in range(nodes):
+        for a in range(4):
+            m.U[n, a] = select(better, m.inputs[n, a], m.U[n, a])
+    m.cost[0] = select(better, m.cost[1], m.cost[0])
+    m.open[0] = select(better, zero, m.open[0])
+
+
+def _policy(linearise: Callable[..., None], backward: Callable[..., None]) -> Any:
+    """A compiled function of (memory): gains and feed-forward around the plan, which obeys the model: deviations are zero."""
 
     @njit(**COMPILE)
-    def find_policy(m: SearchMpc) -> None:
-        """Gains and feed-forward around the plan, which obeys the model: deviations are zero."""
+    def find_policy(m: Any) -> None:
         nodes = len(m.U)
         for n in range(nodes):
             linearise(
@@ -157,8 +157,14 @@ def search(
                 m.input_weights, m.spacing, m.low, m.high, m.value[1 - now], m.slope[1 - now], m.gains[n], m.feed[n], m.scratch,
             )  # fmt: skip
 
+    return find_policy
+
+
+def _iteration(fly_trial: Any, find_policy: Any) -> tuple[Any, Any]:
+    """Two compiled functions, made from a trial and a policy: the warm start (memory, pushed), and a sweep (memory, stop_early, pushed)."""
+
     @njit(**COMPILE)
-    def begin_policy(m: SearchMpc) -> None:
+    def begin_policy(m: Any) -> None:
         """Gains around the reference where a flight begins; other lanes keep theirs."""
         begins = m.fresh[0] > 0.5
         for n in range(len(m.U)):
@@ -170,7 +176,7 @@ def search(
                 m.gains[n, i] = select(begins, m.gains[n, i], m.gains_before[n, i])
 
     @njit(**COMPILE)
-    def warm_start(m: SearchMpc, pushed: bool) -> None:
+    def warm_start(m: Any, pushed: bool) -> None:
         """The last plan, flown with its own feedback from the state that the drone is in."""
         one = number(m.cost[1], 1.0)
         if not every(m.fresh[0] < 0.5):
@@ -181,7 +187,7 @@ def search(
         take_trial(m)
 
     @njit(**COMPILE)
-    def sweep(m: SearchMpc, stop_early: bool, pushed: bool) -> None:
+    def sweep(m: Any, stop_early: bool, pushed: bool) -> None:
         """One policy, and the longest of its steps that lowers the cost."""
         find_policy(m)
         m.open[0] = number(m.cost[1], 1.0)
@@ -193,92 +199,7 @@ def search(
             if stop_early and every(m.open[0] < 0.5):
                 break
 
-    @njit(**INLINE)
-    def correct(s: Settings, m: SearchMpc, p: ControlLoop) -> None:
-        """Observe, and correct targets, inputs and bounds for what was learnt and for drag."""
-        observe(s, p)
-        push_of(p, p.seen, p.acted, p.push)
-        if model_has_drag:
-            disturbance_of(p, p.push)
-        for n in range(len(m.reference)):
-            thrust = m.reference[n, 10]
-            target = m.reference[n]
-            push_of(p, target[:10], target[10:], m.push[n])
-            turn_target(target, m.push[n], target)
-            if model_has_drag:
-                disturbance_of(p, m.push[n])
-            change = m.reference[n, 10] - thrust
-            if n == 0:
-                m.inputs_now[0] = m.inputs_now[0] + change
-            if n < len(m.U):
-                m.mean_inputs[n, 0] = m.mean_inputs[n, 0] + change
-                for j in range(m.inputs_in_parts.shape[1]):
-                    m.inputs_in_parts[n, j, 0] = m.inputs_in_parts[n, j, 0] + change
-        if s.offset_free:
-            plan_bounds(s, p, m.low, m.high)
-
-    @njit(**INLINE)
-    def add_reference(m: SearchMpc) -> None:
-        """Offsets become the plan."""
-        for n in range(len(m.X)):
-            for i in range(10):
-                m.X[n, i] = m.X[n, i] + m.reference[n, i]
-            make_unit(m.X[n])
-        for n in range(len(m.U)):
-            for a in range(4):
-                m.reference[n, 10 + a] = m.mean_inputs[n, a]
-                m.U[n, a] = m.U[n, a] + m.reference[n, 10 + a]
-                m.U[n, a] = clipped(m.U[n, a], m.low[a], m.high[a])
-
-    @njit(**INLINE)
-    def leave_reference(m: SearchMpc) -> None:
-        """The plan becomes offsets."""
-        for n in range(len(m.X)):
-            for i in range(10):
-                m.X[n, i] = m.X[n, i] - m.reference[n, i]
-        for n in range(len(m.U)):
-            for a in range(4):
-                m.U[n, a] = m.U[n, a] - m.reference[n, 10 + a]
-
-    @njit(**INLINE)
-    def command_of(s: Settings, m: SearchMpc) -> None:
-        """What is commanded for a control period: the reference's inputs over it, and the mean of the plan's offsets."""
-        span, begin = number(m.cost[1], s.period), number(m.cost[1], 0.0)
-        for a in range(4):
-            m.acting[a] = m.inputs_now[a]
-        for n in range(len(m.U)):
-            end = begin + m.spacing[0]
-            end = select(end < span, end, span)
-            for a in range(4):
-                m.acting[a] = m.acting[a] + (end - begin) / span * m.U[n, a]
-            begin = end
-        for a in range(4):
-            m.acting[a] = clipped(m.acting[a], m.low[a], m.high[a])
-
-    @njit(**INLINE)
-    def control(s: Settings, m: SearchMpc, p: ControlLoop) -> None:
-        """The whole step."""
-        if s.corrected:
-            correct(s, m, p)
-        predict(s, m.constants, p)
-        add_reference(m)
-        for i in range(10):
-            m.states[0, i] = p.seen[i]
-        warm_start(m, s.corrected)
-        for _ in range(s.sweeps):
-            sweep(m, s.stop_early, s.corrected)
-        leave_reference(m)
-        command_of(s, m)
-        issue(s, p, m.acting)
-
-    return control
-
-
-@njit(**INLINE)
-def clipped(value: Any, low: Any, high: Any) -> Any:
-    """A number within bounds, lane by lane."""
-    value = select(value < low, low, value)
-    return select(value > high, high, value)
+    return warm_start, sweep
 
 
 control_search = search(predict, linearise, backward, compiled_dynamics("node_map"))
