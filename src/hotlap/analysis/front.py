@@ -16,22 +16,32 @@ import numpy as np
 
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
-from hotlap.analysis.plan_trials import CHOSEN, FRESH, Do, PlanSettings, Trial, first_plan_settings, most_thrust, neighbours
+from hotlap.analysis.plan_trials import (
+    CHOSEN,
+    FRESH,
+    Do,
+    PlanSettings,
+    Trial,
+    first_plan_settings,
+    most_thrust,
+    neighbours,
+    tune_from,
+    tune_plan,
+)
 from hotlap.analysis.severity import FALLS, Standing, standing
 from hotlap.core.errors import HotlapError
-from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream, flight_seeds
-from hotlap.first_guess.guess import first_guess
 from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import UNCHANGED, Condition
 from hotlap.race.race import Race
-from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
+from hotlap.tuning.loop import TuningSettings, scenario_for
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.under_conditions import UnderConditions
 
 HELD = 0.95  # least share of flights that pass all gates, under each condition
 LADDER = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4)  # of the thrust that vehicle and controller have
 HOVERS = 1.2  # least thrust to weight of a plan
+ROUNDS = 2  # of narrowing the thrust, and of steps along the other settings
 NARROWED = (1 / 3, 2 / 3)  # of the way, in logarithms, from the plan that holds to the next bolder one
 OTHERS = ("tolerance", "clearance", "v_max")
 RANKED = 100  # flights under each condition by which plans are ranked
@@ -70,16 +80,14 @@ def try_under_conditions(trial: Trial) -> Iterator[dict[str, Any]]:
         yield {"reason": str(error)}
         return
     world = built_in_world()
-    guess = first_guess(scenario) if trial.begin is None else np.tile(trial.begin, (len(scenario.segments), 1))
-    objective = Objective(scenario, world)
-    best, flights = _tuned(trial, objective, trial.settings, guess)
+    best, flights = tune_plan(trial, Objective(scenario, world))
     seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, CHOSEN, RANKED)
     found = standing(scenario, world, best, trial.conditions, seeds, HELD)
     if FALLS < found.severity < 1.0:
         conditions = (UNCHANGED, *trial.conditions)
         count = len(conditions)
         settings = replace(trial.settings, samples=count, budget=trial.settings.budget * count, confirm=CONFIRM * count, validation=0)
-        other, more = _tuned(trial, UnderConditions(scenario, world, conditions=conditions), settings, best)
+        other, more = tune_from(trial.tuner, settings, UnderConditions(scenario, world, conditions=conditions), best)
         flights += more
         stands = standing(scenario, world, other, trial.conditions, seeds, HELD)
         if stands.rank > found.rank:
@@ -94,15 +102,6 @@ def try_under_conditions(trial: Trial) -> Iterator[dict[str, Any]]:
         "parameters": best.tolist(),
         "reason": "",
     }
-
-
-def _tuned(trial: Trial, objective: Objective, settings: TuningSettings, guess: Parameters) -> tuple[Parameters, int]:
-    """The best parameters of a tuning, shape (S, K), and its flights."""
-    tuning = Tuning(tuners.build(trial.tuner), objective.scenario, settings, guess)
-    for _ in tune_together(objective, [tuning]):
-        pass
-    assert tuning.best is not None  # noqa: S101  it has flown
-    return tuning.best.parameters, tuning.flights
 
 
 def judge_under_conditions(trial: Trial) -> Iterator[dict[str, Any]]:
@@ -126,6 +125,7 @@ def search(race: Race, tuner: str, settings: TuningSettings, conditions: tuple[C
     found: dict[PlanSettings, Point] = {}
 
     def try_plans(plans: Iterable[PlanSettings], begin: Point | None = None) -> None:
+        """Try those that were not tried yet, from the parameters of a point; what can be flown becomes one."""
         start = None if begin is None else tuple(np.exp(np.log(begin.parameters).mean(axis=0)).tolist())
         trials = {
             plan.key: Trial(race, plan, tuner, settings, start, conditions=conditions) for plan in dict.fromkeys(plans) if plan not in found
@@ -137,7 +137,7 @@ def search(race: Race, tuner: str, settings: TuningSettings, conditions: tuple[C
 
     first = first_plan_settings(race)
     try_plans([first, *ladder(race)])
-    for _ in range(2):
+    for _ in range(ROUNDS):
         best = soonest(found.values())
         if best is None:
             break
@@ -145,6 +145,12 @@ def search(race: Race, tuner: str, settings: TuningSettings, conditions: tuple[C
         best = soonest(found.values()) or best
         try_plans(neighbours(race, best.plan_settings, 1.0, OTHERS), best)
     return sorted(found.values(), key=lambda point: point.lap)
+
+
+def most_plans(race: Race) -> int:
+    """How many plans `search` and `winner` fly at most, but for winners that do not hold a second time."""
+    around = neighbours(race, first_plan_settings(race), 1.0, OTHERS)
+    return 1 + len(ladder(race)) + ROUNDS * (len(NARROWED) + len(around)) + 1
 
 
 def ladder(race: Race) -> list[PlanSettings]:
@@ -180,10 +186,13 @@ def soonest(points: Iterable[Point]) -> Point | None:
 
 
 def front(points: Iterable[Point]) -> list[Point]:
-    """The points that hold without conditions and that no faster one equals in what it stands, the soonest first."""
+    """The points that hold without conditions and that no faster one equals in what it stands, the soonest first.
+
+    Of laps that are equal to a millisecond, by which they are told apart, the one that stands most.
+    """
     chosen: list[Point] = []
     most = -math.inf
-    for point in sorted(points, key=lambda point: (point.lap, -point.standing.severity)):
+    for point in sorted(points, key=lambda point: (round(point.lap, 3), -point.standing.severity)):
         if point.standing.severity > max(most, FALLS):
             chosen.append(point)
             most = point.standing.severity

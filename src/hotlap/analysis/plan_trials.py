@@ -19,13 +19,14 @@ from hotlap.analysis.learning import built_in_world
 from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream, flight_seeds
-from hotlap.first_guess.guess import first_guess
+from hotlap.first_guess.guess import first_guess, rival_of
 from hotlap.first_guess.training_set import shipped
 from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import Condition
 from hotlap.race.gate_plane import plane_of
 from hotlap.race.race import Race
 from hotlap.race.track import Waypoint
+from hotlap.tuners.contest import beginning_at_better
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
 
@@ -85,7 +86,7 @@ class Trial:
         plan_settings: what is planned with.
         tuner: algorithm with preset.
         settings: of the tuning; the plan is judged by as many flights again as its validation has.
-        begin: K parameters of the first guess, the mean over segments of those of the best plan so far; None for the learned guess.
+        begin: K parameters of the first guess, the mean over segments of those of the best plan so far; None: as `tune` begins.
         parameters: of each segment, to be judged; empty while they are looked for.
         training: fingerprint of what the guess is learnt from.
         conditions: that the plan is to be held under, for `front`.
@@ -159,18 +160,45 @@ def try_plan(trial: Trial) -> Iterator[dict[str, Any]]:
     except HotlapError as error:
         yield {"lap": None, "rate": 0.0, "planned": None, "flights": 0, "parameters": None, "reason": str(error)}
         return
-    count = len(scenario.segments)
-    guess = first_guess(scenario) if trial.begin is None else np.tile(trial.begin, (count, 1))
-    tuning = Tuning(tuners.build(trial.tuner), scenario, trial.settings, guess)
     objective = Objective(scenario, built_in_world())
-    for _ in tune_together(objective, [tuning]):
-        pass
-    assert tuning.best is not None  # noqa: S101  it has flown
-    best = tuning.best.parameters
+    best, flights = tune_plan(trial, objective)
     seeds = flight_seeds(trial.settings.seed, Stream.DEMONSTRATION, CHOSEN, max(trial.settings.validation, 1))
     rate, lap = _flown(objective, best, seeds)
     planned = scenario.reference.lap_time
-    yield {"lap": lap, "rate": rate, "planned": planned, "flights": tuning.flights, "parameters": best.tolist(), "reason": ""}
+    yield {"lap": lap, "rate": rate, "planned": planned, "flights": flights, "parameters": best.tolist(), "reason": ""}
+
+
+def tune_plan(trial: Trial, objective: Objective) -> tuple[Parameters, int]:
+    """The best parameters of a plan's tuning, shape (S, K), and its flights; where `trial.begin` is None it begins as `tune` does.
+
+    Args:
+        trial: which tuner, how, and where it begins.
+        objective: flies the plan.
+    """
+    scenario = objective.scenario
+    if trial.begin is not None:
+        return tune_from(trial.tuner, trial.settings, objective, np.tile(trial.begin, (len(scenario.segments), 1)))
+    guess = first_guess(scenario)
+    return tune_from(trial.tuner, trial.settings, objective, guess, rival_of(scenario, guess))
+
+
+def tune_from(
+    tuner: str, settings: TuningSettings, objective: Objective, guess: Parameters, rival: Parameters | None = None
+) -> tuple[Parameters, int]:
+    """The best parameters of a tuning, shape (S, K), and its flights.
+
+    Args:
+        tuner: algorithm with preset.
+        settings: of the tuning.
+        objective: what flies.
+        guess: shape (S, K), where the search begins.
+        rival: shape (S, K), where it begins if this one flies better.
+    """
+    tuning = Tuning(beginning_at_better(tuners.build(tuner), rival), objective.scenario, settings, guess)
+    for _ in tune_together(objective, [tuning]):
+        pass
+    assert tuning.best is not None  # noqa: S101  it has flown
+    return tuning.best.parameters, tuning.flights
 
 
 def judge_plan(trial: Trial) -> Iterator[dict[str, Any]]:

@@ -58,6 +58,7 @@ def standing(
     """
 
     def held(at: int) -> bool:
+        """Whether enough flights succeed under each condition at one of `SEVERITIES`."""
         rates, _ = _fly(scenario, world, parameters, [condition.scaled(SEVERITIES[at]) for condition in conditions], seeds)
         return min(rates) >= least
 

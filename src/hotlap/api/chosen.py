@@ -203,6 +203,7 @@ def _patient(watch: Callable[[Batch], None]) -> Callable[[Batch], None]:
     """What watches a search, and ends one that leads nowhere."""
 
     def see(batch: Batch) -> None:
+        """Show a batch, and raise where the search is hopeless."""
         watch(batch)
         if _is_hopeless(batch.flights, batch.best):
             raise _Hopeless

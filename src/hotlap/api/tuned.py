@@ -38,6 +38,7 @@ from hotlap.study.result import Result
 from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study, new_folder
 from hotlap.study.tried_plan import TriedPlan, describe_choice
+from hotlap.system.journal import Journal
 from hotlap.tuners import Tuner
 from hotlap.tuning.goal import Goal, Quantity, parse_goal
 from hotlap.tuning.goal_forms import LAP_TIME
@@ -52,7 +53,7 @@ if TYPE_CHECKING:
     from hotlap.analysis.diagnosis import Diagnosis
     from hotlap.analysis.robustness import Robustness
 
-FASTEST = "race.toml"  # written by the search for the fastest plan
+FASTEST = ("race.toml", Journal.file)  # written by the search for the fastest plan, which may not have ended
 NUMBERS = ("budget", "seed", "confirm", "validation", "reliability", "batch", "randomise", "samples", "selection", "minutes")
 POPULATION = 32  # candidates that are flown at once where time is counted
 
@@ -283,8 +284,8 @@ def _check_folder(folder: Path | None) -> None:
     """Refuse what can be no folder of this study."""
     if folder is not None and folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of a study")
-    if folder is not None and (folder / FASTEST).exists():
-        raise StudyError(str(folder), "", "holds a search for the fastest plan; give another folder")
+    if folder is not None and any((folder / name).exists() for name in FASTEST):
+        raise StudyError(str(folder), "", "holds a search for the fastest plan, or other work than a study; give another folder")
 
 
 def _tune(study: Study, world: World, asked: Asked, *, begun: bool) -> Result:

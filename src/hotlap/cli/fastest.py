@@ -20,7 +20,7 @@ from hotlap.cli import front
 from hotlap.cli.flying import load, make_kind_ready
 from hotlap.cli.output import facts, note, present
 from hotlap.cli.planned_race import RACE_FILE, write_planned_race
-from hotlap.cli.progress import follow_pieces
+from hotlap.cli.progress import follow_rounds
 from hotlap.cli.stopping import remark
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError, PlanningError, StudyError
@@ -34,6 +34,7 @@ from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
 ROUNDS = 40  # of plans tried around the best so far
+PLANS = "plans"  # what the progress counts
 FIXED = ("reference", "first_guess", "segments", "on", "randomise", "samples", "reliability", "selection", "minutes")
 """Options that have no meaning here."""
 
@@ -59,11 +60,11 @@ def run(options: Namespace) -> int:
     words = ["hotlap", "tune", *options.arguments, *([] if options.out is not None else ["--out", str(folder)])]
     with remark(f"nothing is lost; go on with: {shlex.join(words)}"):
         make_kind_ready(world, race.controller.kind)
-        jobs = ResumableJobs(folder, progress=follow_pieces, note=note)
         if conditions:
-            return front.run(options, race, folder, jobs, (tuner, settings), conditions)
-        do, judge = (partial(jobs.each, unit, work=work) for unit, work in (("plans", try_plan), ("winners", judge_plan)))
-        best = fastest(race, tuner, settings, do, judge, ROUNDS)
+            return front.run(options, race, folder, (tuner, settings), conditions)
+        with follow_rounds(PLANS) as progress:
+            each = partial(ResumableJobs(folder, progress=progress, note=note).each, PLANS)
+            best = fastest(race, tuner, settings, partial(each, work=try_plan), partial(each, work=judge_plan), ROUNDS)
     if best is None:
         note(f"hotlap: {race.name}: no plan was found that passes every gate in {percent(RELIABLE)} of the flights")
         return 1

@@ -5,20 +5,23 @@ from __future__ import annotations
 import json
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rich.text import Text
 
-from hotlap.analysis.front import HELD, Point, front, judge_under_conditions, search, try_under_conditions, winner
+from hotlap.analysis.front import HELD, Point, front, judge_under_conditions, most_plans, search, try_under_conditions, winner
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.analysis.severity import FALLS
 from hotlap.api.wording import percent, seconds
 from hotlap.cli.output import Line, finite, note, present
-from hotlap.cli.planned_race import PlannedRace, write_planned_race
+from hotlap.cli.planned_race import RACE_FILE, PlannedRace, write_planned_race
+from hotlap.cli.progress import follow_rounds
 from hotlap.core.counts import count
 from hotlap.core.success_rate import Validation
+from hotlap.files.descriptions import PARAMETERS_FILE
 from hotlap.race.conditions import Condition
 from hotlap.race.race import Race
 from hotlap.report.front_chart import Tried, front_chart
@@ -28,13 +31,13 @@ from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
 FRONT_FILE, FOLDER, PICTURES = "front.json", "front", ("front.png", "front.svg")
+PLANS = "plans"  # what the progress counts
 
 
 def run(
     options: Namespace,
     race: Race,
     folder: Path,
-    jobs: ResumableJobs,
     tuning: tuple[str, TuningSettings],
     conditions: tuple[Condition, ...],
 ) -> int:
@@ -44,15 +47,14 @@ def run(
         options: of the command line.
         race: whose plan is looked for.
         folder: of everything that is written.
-        jobs: that plans are tried by.
         tuning: tuner and settings.
         conditions: what the plan is to hold under.
     """
-    do, judge = (
-        partial(jobs.each, unit, work=work) for unit, work in (("plans", try_under_conditions), ("flown again", judge_under_conditions))
-    )
-    points = search(race, *tuning, conditions, do)
-    best, points = winner(race, *tuning, conditions, points, judge)
+    with follow_rounds(PLANS, most_plans(race)) as progress:
+        each = partial(ResumableJobs(folder, progress=progress, note=note).each, PLANS)
+        points = search(race, *tuning, conditions, partial(each, work=try_under_conditions))
+        best, points = winner(race, *tuning, conditions, points, partial(each, work=judge_under_conditions))
+    _remove_former(folder)
     stair, known = front(points), {"seed": tuning[1].seed, "hold": options.hold}
     places = {
         point: write_planned_race(
@@ -74,6 +76,16 @@ def run(
     pictures = _draw(folder, race, conditions, points, stair, best)
     present(as_json=options.json, document=document, lines=_lines(race, conditions, best, written, stair, places, pictures))
     return 0 if best is not None else 1
+
+
+def _remove_former(folder: Path) -> None:
+    """Remove races and parameters that an earlier search in this folder has written, perhaps under other conditions; nothing else."""
+    for place in [folder, *(folder / FOLDER).glob("*s")]:
+        for name in (RACE_FILE, PARAMETERS_FILE):
+            (place / name).unlink(missing_ok=True)
+        if place != folder:
+            with suppress(OSError):  # something else is in it
+                place.rmdir()
 
 
 def _document(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from itertools import count
 from typing import TYPE_CHECKING
 
@@ -82,6 +82,35 @@ def follow_pieces(unit: str, wanted: int, done: int) -> Iterator[Callable[[str],
 
 
 @contextmanager
+def follow_rounds(unit: str, most: int = 0) -> Iterator[Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]]:
+    """Show pieces of work that come in rounds as one: the next round is known when the last one is done.
+
+    Args:
+        unit: what the pieces are, in the plural.
+        most: pieces at most, of all rounds together; 0: nobody knows.
+
+    Yields:
+        What shows a round, as `follow_pieces` does; it counts on from the round before.
+    """
+    console = Plain(stderr=True)
+    if not console.is_terminal:
+        yield Tally(f"{unit} at most" if most else unit, most, 0).go_on
+        return
+    state = TextColumn("{task.fields[state]}", markup=False)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Pace(), TimeRemainingColumn(), state)
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.tasks[progress.add_task(unit, total=most, state="")]
+
+        @contextmanager
+        def go_on(_unit: str, wanted: int, done: int) -> Iterator[Callable[[str], None]]:
+            """Count a round on the bar of all."""
+            progress.update(task.id, total=max(most, task.completed + wanted), completed=task.completed + done)
+            yield lambda words: progress.update(task.id, advance=1, state=words)
+
+        yield go_on
+
+
+@contextmanager
 def follow_stages(wanted: int) -> Iterator[Callable[[str], None]]:
     """Show which stage of some work is under way: the bar counts those behind it.
 
@@ -144,6 +173,12 @@ class Tally:
 
     def __init__(self, unit: str, wanted: int, done: int, clock: Callable[[], float] = time.monotonic) -> None:
         self._unit, self._wanted, self._done, self._clock, self._last = unit, wanted, done, clock, clock()
+
+    @contextmanager
+    def go_on(self, _unit: str, wanted: int, done: int) -> Iterator[Callable[[str], None]]:
+        """Count further pieces, so many of which are done."""
+        self._wanted, self._done = max(self._wanted, self._done + wanted), self._done + done
+        yield self.say
 
     def say(self, words: str) -> None:
         """Count one, and say so, if it is time or the last."""

@@ -21,7 +21,7 @@ from hotlap.reference.reference import Reference
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.tuners import Tuner
-from hotlap.tuners.contest import Contest
+from hotlap.tuners.contest import beginning_at_better
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
 from hotlap.tuning.scoring import Metric
@@ -62,8 +62,7 @@ class Configuration:
 
     def build_tuner(self) -> Tuner:
         """The tuner, not yet started."""
-        tuner = tuners.build(self.tuner)
-        return tuner if self.rival is None else Contest(tuner, self.rival)
+        return beginning_at_better(tuners.build(self.tuner), self.rival)
 
     @property
     def cost_name(self) -> str:

@@ -18,6 +18,11 @@ FLIGHTS = 3  # of each guess
 WORST = 1e12  # a cost that is not finite counts as this
 
 
+def beginning_at_better(tuner: Tuner, rival: Parameters | None) -> Tuner:
+    """A tuner that begins at the better of its first guess and a rival, shape (S, K); the tuner itself where there is no rival."""
+    return tuner if rival is None else Contest(tuner, rival)
+
+
 class Contest:
     """A tuner that starts another one at its own first guess or at a rival, whichever has passed more gates in the mean, then by cost.
 
