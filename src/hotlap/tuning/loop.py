@@ -25,7 +25,7 @@ from hotlap.tuners.tuner import Tuner, asked_together
 from hotlap.tuning.candidate import Candidate, reported_scores, summarise
 from hotlap.tuning.choice import Choice
 from hotlap.tuning.goal import Quantity
-from hotlap.tuning.objective import Objective
+from hotlap.tuning.objective import Flies
 from hotlap.tuning.selection import Finalist
 from hotlap.tuning.settings import TuningSettings
 
@@ -147,6 +147,10 @@ class Tuning:
         """
         self._ended = self.settings.minutes or FOREVER
         self._choice.flights = self.settings.selection if selection is None else selection
+
+    def limit_selection(self, flights: int) -> None:
+        """Choose the result by at most so many flights."""
+        self._choice.flights = min(self._choice.flights, flights)
 
     @property
     def searched(self) -> bool:
@@ -310,7 +314,7 @@ class Tuning:
         self.tuner.restore(state["tuner"])
 
 
-def tune(objective: Objective, tuning: Tuning) -> Iterator[Batch]:
+def tune(objective: Flies, tuning: Tuning) -> Iterator[Batch]:
     """Run a tuning to its end, batch by batch.
 
     Args:
@@ -321,7 +325,7 @@ def tune(objective: Objective, tuning: Tuning) -> Iterator[Batch]:
         yield batch
 
 
-def tune_together(objective: Objective, tunings: Sequence[Tuning]) -> Iterator[tuple[int, Batch]]:
+def tune_together(objective: Flies, tunings: Sequence[Tuning]) -> Iterator[tuple[int, Batch]]:
     """Run independent tunings of one scenario in lockstep, so that their flights fill the lanes; results are as of each alone.
 
     Args:
