@@ -29,6 +29,11 @@ TABLE_I: Mapping[str, tuple[int, ...]] = {  # the paper's completion [%] on them
 }
 
 
+def name_of_today(name: str) -> str:
+    """The name that a tuner of recorded runs has today: what was `gatewise` then is the published form of `gate_gp`."""
+    return "gate_gp:published" if name == "gatewise:default" else current_name(name)
+
+
 def solved(row: Row) -> str:
     """Runs that confirmed a controller [%] / median search flights, such as 95 / 12."""
     middle = f"{row.flights_median:.0f}" if math.isfinite(row.flights_median) else "-"
@@ -72,7 +77,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     read = RunJournal(parser.parse_args().folder).done
-    done = {key: replace(run, tuner=current_name(run.tuner)) for key, run in read.items()}  # recorded under the names of then
+    done = {key: replace(run, tuner=name_of_today(run.tuner)) for key, run in read.items()}  # recorded under the names of then
     latest = {(run.race, run.tuner): key for (key, _), run in done.items()}  # what was flown with other settings is out of date
     runs = [run for (key, _), run in done.items() if latest[run.race, run.tuner] == key]
     names = sorted(dict.fromkeys(run.race for run in runs), key=_place)

@@ -161,7 +161,24 @@ def test_a_search_that_goes_on_chooses_anew_and_does_not_forget_what_it_had_chos
     second, _ = play(budget=60, state=state)
     assert second.flights == 60
     assert second.selection_flights > first.selection_flights
-    assert any(np.array_equal(one.parameters, first.best.parameters) for one in second._known)
+    assert any(np.array_equal(one.parameters, first.best.parameters) for one in second._choice._known)
+
+
+def test_a_selection_of_few_flights_is_one_selection():
+    for flights in range(1, 8):
+        tuning, _ = play(selection=flights)
+        assert tuning.done
+        assert 0 < tuning.selection_flights <= flights
+
+
+def test_a_search_that_goes_on_during_its_selection_chooses_among_what_it_finds_then():
+    _, whole = play(name="random_search")
+    rounds = [i for i, batch in enumerate(whole) if (batch.ledger.streams == Stream.SELECTION).any()]
+    state = json.loads(json.dumps(whole[rounds[1]].state, allow_nan=False))
+    _, after = play(name="random_search", budget=80, state=state)
+    ledger = Ledger.join([batch.ledger for batch in after])
+    found, chosen = (ledger.parameters[ledger.streams == stream] for stream in (Stream.SEARCH, Stream.SELECTION))
+    assert (chosen[:, None] == found[None]).all(axis=(2, 3)).any()
 
 
 def test_a_search_that_is_ended_still_chooses_and_validates():

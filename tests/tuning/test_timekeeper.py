@@ -11,7 +11,9 @@ import pytest
 from fake_world import OPTIMUM, FakeWorld, make_scenario
 from hotlap import tuners
 from hotlap.core.seeds import FLIGHTS_A_STREAM
+from hotlap.tuners import Tuner
 from hotlap.tuners.contest import Contest
+from hotlap.tuners.random_search import PRESETS, RandomSearch
 from hotlap.tuning.loop import Tuning, tune
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.settings import TuningSettings
@@ -25,20 +27,31 @@ SHORT = TuningSettings(budget=FLIGHTS_A_STREAM, confirm=10, selection=2000, batc
 
 @dataclass
 class Clock:
-    """Says how late it is: so long after each flight."""
+    """Says how late it is: so long after each flight, and so long as a tuner has thought."""
 
     seconds: float
     world: FakeWorld
+    tuner: Tuner
 
     def __call__(self) -> float:
-        return self.seconds * sum(self.world.batches)
+        return self.seconds * sum(self.world.batches) + getattr(self.tuner, "thought", 0.0)
+
+
+class Thoughtful(RandomSearch):
+    """Thinks a second about each proposal, and has but one."""
+
+    thought = 0.0
+
+    def ask(self, n: int) -> np.ndarray:  # noqa: ARG002
+        self.thought += 1.0
+        return super().ask(1)
 
 
 def play(settings: TuningSettings = SHORT, noise: float = 1.2, each: float = 0.02, spent: float = 0.0, state=None, tuner=None):
-    world = FakeWorld(noise=noise)
-    tuning, batches = Tuning(tuner or tuners.build("gate_gp"), SCENARIO, settings, GUESS, state), []
-    keeper = Timekeeper(tuning, spent, Clock(each, world))
-    for batch in tune(Objective(SCENARIO, world), tuning):
+    world, tuner = FakeWorld(noise=noise), tuner or tuners.build("gate_gp")
+    tuning, batches = Tuning(tuner, SCENARIO, settings, GUESS, state), []
+    keeper = Timekeeper(tuning, Objective(SCENARIO, world), spent, Clock(each, world, tuner))
+    for batch in tune(keeper, tuning):
         batches.append(batch)
         keeper.attend()
     return tuning, batches, keeper, world
@@ -98,6 +111,19 @@ def test_a_finished_search_flies_nothing_and_one_with_more_time_goes_on():
     assert after
     assert longer.flights > tuning.flights
     assert longer.done
+
+
+def test_a_tuner_that_thinks_long_has_the_time_that_flights_leave():
+    tuning, _, keeper, _ = play(tuner=Thoughtful("thoughtful", PRESETS["paper"]), each=0.001)
+    assert tuning.done
+    assert -1.5 < keeper.left < 0.2 * SECONDS
+
+
+def test_a_budget_that_is_spent_first_leaves_time_as_well():
+    tuning, _, keeper, _ = play(replace(SHORT, budget=60), each=0.02)
+    assert tuning.done
+    assert 0 < tuning.selection_flights * 0.02 <= 0.3 * SECONDS
+    assert keeper.left > 0.3 * SECONDS
 
 
 def test_without_minutes_no_time_is_kept():

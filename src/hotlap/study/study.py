@@ -232,8 +232,8 @@ class Study:
         """
         self._check(objective)
         tuning = self.tuning
-        keeper = Timekeeper(tuning, self.wall_time)
-        for batch in tune(objective, tuning):
+        keeper = Timekeeper(tuning, objective, self.wall_time)
+        for batch in tune(keeper, tuning):
             self.record(batch)
             watch(batch)
             keeper.attend()

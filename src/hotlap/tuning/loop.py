@@ -7,7 +7,7 @@ the budget is spent without such a candidate, what is handed over is chosen by f
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
@@ -21,14 +21,14 @@ from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.reference.scenario import Scenario
-from hotlap.tuners.tuner import Tuner, asked_together, recommended_by
+from hotlap.tuners.tuner import Tuner, asked_together
 from hotlap.tuning.candidate import Candidate, reported_scores, summarise
+from hotlap.tuning.choice import Choice
 from hotlap.tuning.goal import Quantity
-from hotlap.tuning.objective import Objective
-from hotlap.tuning.selection import FINALISTS, KNOWN, Contenders, Finalist, Selection, merit, mixed
+from hotlap.tuning.objective import Flies
+from hotlap.tuning.selection import Finalist
 from hotlap.tuning.settings import TuningSettings
 
-CYCLES = 3  # selections, one after the other, where a tuner learns from them
 FOREVER = 1e9  # minutes after which a search has ended that was told to end
 FEW = 4  # candidates of a population that are confirmed
 SCREENED = 48  # flights after which a validation of one may be given up
@@ -114,9 +114,7 @@ class Tuning:
         self.validation: Validation | None = None
         self.search_flights = 0
         self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0, Stream.VALIDATION: 0, Stream.SELECTION: 0}
-        self._contenders, self._known, self._selection = Contenders(), list[Finalist](), None
-        self._cycle = 0
-        self._selected_at, self._ended, self._selection_flights = -1, 0.0, settings.selection
+        self._choice, self._ended = Choice(tuner, settings), 0.0
         tuner.start(guess, scenario.space, np.random.default_rng(settings.seed))
         if state is not None:
             self._restore(state)
@@ -139,7 +137,7 @@ class Tuning:
     @property
     def done(self) -> bool:
         """Whether the search is over and its result chosen and validated."""
-        return self._searched and self._selected and (self.validation is not None or not self.settings.validation)
+        return self.searched and self._selected and (self.validation is not None or not self.settings.validation)
 
     def end_search(self, selection: int | None = None) -> None:
         """Let the search end, whatever is left of its budget: the time is over. The result is still chosen and validated.
@@ -148,15 +146,14 @@ class Tuning:
             selection: flights by which it is chosen; None: as the settings say.
         """
         self._ended = self.settings.minutes or FOREVER
-        self._selection_flights = self.settings.selection if selection is None else selection
+        self._choice.flights = self.settings.selection if selection is None else selection
+
+    def limit_selection(self, flights: int) -> None:
+        """Choose the result by at most so many flights."""
+        self._choice.flights = min(self._choice.flights, flights)
 
     @property
     def searched(self) -> bool:
-        """Whether a candidate is confirmed, the budget spent or the time over."""
-        return self._searched
-
-    @property
-    def _searched(self) -> bool:
         """Whether a candidate is confirmed, the budget spent or the time over."""
         left = self.settings.budget - self.flights
         return self.best is not None and (self.best.confirmed or self._ended > 0 or left < self.settings.flights_each)
@@ -164,7 +161,7 @@ class Tuning:
     @property
     def _selected(self) -> bool:
         """Whether the result has been chosen, or there is nothing to choose."""
-        return bool(self.best and self.best.confirmed) or not self._selection_flights or self._selected_at == self.flights
+        return bool(self.best and self.best.confirmed) or not self._choice.flights or self._choice.made_at(self.flights)
 
     def batch(self) -> Generator[Request, Scores, Batch]:
         """One pass of the loop: yields the flights that it wants, is sent their scores, returns the batch.
@@ -173,9 +170,10 @@ class Tuning:
         mean costs and gate misses over all flights of a candidate; everything else is that of the flight that failed. When the budget is
         spent, the last pass validates the best candidate.
         """
-        if self._searched and self.best is not None:
+        if self.searched and self.best is not None:
             ledger = yield from (self._finish(self.best) if self._selected else self._select())
             return self._report(ledger, ())
+        self._choice.begin_anew()
         each = self.settings.flights_each
         ask = partial(asked_together, self.tuner) if self.settings.minutes else self.tuner.ask
         parameters = ask(max(1, min(self.settings.batch, (self.settings.budget - self.flights) // each)))
@@ -194,7 +192,7 @@ class Tuning:
                 if validation.rate < self.settings.wanted:
                     flown[i] = Scores.join([flown[i], repeats])
                     failed[i] = validation
-                    self._remember(Finalist(parameters[i]).flown(repeats, self.settings.goal))
+                    self._choice.remember(Finalist(parameters[i]).flown(repeats, self.settings.goal))
                     continue
             confirmed, validation = i, None if self.settings.minutes else validation  # of many, the luckiest: it is validated again
             self.search_flights = before + (len(scores) if self.settings.minutes else (i + 1) * each)
@@ -203,8 +201,8 @@ class Tuning:
         ledgers[0] = ledgers[0].accept(np.repeat(self.tuner.tell(parameters, reported), each))
         rates = {i: validation.rate for i, validation in failed.items()}
         candidates = [summarise(parameters[i], scores, confirmed == i, rates.get(i, 0.0)) for i, scores in enumerate(flown)]
-        self._choose(candidates, validation)
-        self._consider(parameters, flown, rates)
+        self._keep_best(candidates, validation)
+        self._choice.consider(parameters, flown, rates)
         return self._report(Ledger.join(ledgers), tuple(failed.values()))
 
     def _promising(self, flown: Sequence[Scores]) -> list[int]:
@@ -215,52 +213,21 @@ class Tuning:
     def _finish(self, best: Candidate) -> Generator[Request, Scores, Ledger]:
         """Validate the result; one that was chosen by flights of its own is confirmed by as many successes as any other."""
         self.validation, ledger, _ = yield from self._validate(best.parameters)
-        chosen = self._selected_at == self.flights
+        chosen = self._choice.made_at(self.flights)
         if (chosen or self.settings.minutes) and self.settings.reliability and self.settings.goal.quantity is not Quantity.NONE:
             self.best = replace(best, confirmed=self.validation.rate >= self.settings.reliability)
         return ledger
 
     def _select(self) -> Generator[Request, Scores, Ledger]:
-        """One round of the selection; a tuner that learns from it recommends anew when one is left, until its flights are spent."""
-        selection = self._selection or self._begin_selection()
-        parameters, each = np.array([one.parameters for one in selection.finalists]), selection.flights_each
+        """One round of a selection; after the last one the result is chosen."""
+        parameters, each = self._choice.next_round((self.flights, self.selection_flights))
         ledger, scores = yield from self._fly(Stream.SELECTION, np.repeat(parameters, each, axis=0))
-        if getattr(self.tuner, "learns_from_any", False):
-            flown = [scores.rows(slice(i, i + each)) for i in range(0, len(scores), each)]
-            self.tuner.tell(parameters, Scores.join([reported_scores(one, self.settings.goal, self.settings.caution) for one in flown]))
-        self._selection = selection.after(scores, self.settings.goal)
-        winner = self._selection.winner
-        if winner is not None:
-            self._selection, self._cycle = None, self._cycle + 1
-            self._remember(winner)
-            if self._cycle == CYCLES or not len(self._recommended()):
-                self._cycle, self._selected_at = 0, self.flights
-                self.best, self.validation = self._known[0].candidate, None
+        chosen = self._choice.after_round(scores, (self.flights, self.selection_flights))
+        if chosen is not None:
+            self.best, self.validation = chosen, None
         return ledger
 
-    def _begin_selection(self) -> Selection:
-        """Among the candidates that look best and those that the tuner recommends; then among what it recommends by what it has learnt."""
-        theirs = self._recommended()
-        candidates = theirs if self._cycle else mixed(self._contenders.best(), theirs)
-        return Selection.begin(candidates[:FINALISTS], self._selection_flights // (CYCLES if theirs else 1), self._known)
-
-    def _recommended(self) -> list[Parameters]:
-        """What the tuner recommends, the best first."""
-        rng = np.random.default_rng((self.settings.seed, self.flights, self.selection_flights, int(Stream.SELECTION)))
-        return list(recommended_by(self.tuner, FINALISTS // 2, rng))
-
-    def _remember(self, flown: Finalist) -> None:
-        """Keep a candidate that was flown often, if it is among the best of these."""
-        others = [one for one in self._known if one.parameters.tobytes() != flown.parameters.tobytes()]
-        self._known = sorted([*others, flown], key=lambda one: one.rank, reverse=True)[:KNOWN] if self.settings.selection else []
-
-    def _consider(self, parameters: Parameters, flown: Sequence[Scores], rates: Mapping[int, float]) -> None:
-        """Remember candidates for the selection."""
-        if self.settings.selection:
-            for i, scores in enumerate(flown):
-                self._contenders.add(parameters[i], merit(scores, self.settings.goal, 0.0 if self.settings.minutes else rates.get(i, 0.0)))
-
-    def _choose(self, candidates: Sequence[Candidate], validation: Validation | None) -> None:
+    def _keep_best(self, candidates: Sequence[Candidate], validation: Validation | None) -> None:
         """Keep the best candidate, with its validation if it has been confirmed."""
         known = [] if self.best is None else [self.best]
         best = max(known + list(candidates), key=lambda candidate: candidate.rank)
@@ -332,11 +299,8 @@ class Tuning:
         flown = {stream.name: count for stream, count in self._flown.items()}
         validation = None if self.validation is None else asdict(self.validation)
         counts = {"flown": flown, "search_flights": self.search_flights}
-        selection = None if self._selection is None else self._selection.dump()
-        selecting = {"contenders": self._contenders.dump(), "selection": selection, "selected_at": self._selected_at}
-        selecting |= {"known": [one.dump() for one in self._known], "cycle": self._cycle}
-        ended = {"ended": self._ended, "selection_flights": self._selection_flights}
-        return {**counts, "best": best, "validation": validation, **selecting, **ended, "tuner": self.tuner.state()}
+        counts = {**counts, "best": best, "validation": validation, "ended": self._ended}
+        return {**counts, **self._choice.dump(), "tuner": self.tuner.state()}
 
     def _restore(self, state: dict[str, Any]) -> None:
         """The inverse of `_state`."""
@@ -344,17 +308,13 @@ class Tuning:
         self.search_flights = state["search_flights"]
         self.best = None if state["best"] is None else Candidate.load(state["best"])
         self.validation = None if state["validation"] is None else Validation(**state["validation"])
-        self._contenders = Contenders.load(state.get("contenders", ()))
-        self._cycle = state.get("cycle", 0)
-        self._known = [Finalist.load(one) for one in state.get("known", ())]
-        self._selection = Selection.load(state["selection"]) if state.get("selection") else None
-        self._selected_at = state.get("selected_at", self.flights if self.validation is not None else -1)
+        self._choice.restore(state, made_at=self.flights if self.validation is not None else -1)
         if state.get("ended") and (not self.settings.minutes or state["ended"] >= self.settings.minutes):  # else it has been given more
-            self._ended, self._selection_flights = state["ended"], state["selection_flights"]
+            self._ended, self._choice.flights = state["ended"], state["selection_flights"]
         self.tuner.restore(state["tuner"])
 
 
-def tune(objective: Objective, tuning: Tuning) -> Iterator[Batch]:
+def tune(objective: Flies, tuning: Tuning) -> Iterator[Batch]:
     """Run a tuning to its end, batch by batch.
 
     Args:
@@ -365,7 +325,7 @@ def tune(objective: Objective, tuning: Tuning) -> Iterator[Batch]:
         yield batch
 
 
-def tune_together(objective: Objective, tunings: Sequence[Tuning]) -> Iterator[tuple[int, Batch]]:
+def tune_together(objective: Flies, tunings: Sequence[Tuning]) -> Iterator[tuple[int, Batch]]:
     """Run independent tunings of one scenario in lockstep, so that their flights fill the lanes; results are as of each alone.
 
     Args:

@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,14 @@ from hotlap.race.vehicle_parameters import draw_vehicle_parameters
 from hotlap.reference.scenario import Scenario
 from hotlap.tuning.scoring import Metric, score
 from hotlap.worlds.world import World
+
+
+class Flies(Protocol):
+    """What a tuning needs: parameters in, scores out."""
+
+    def fly(self, parameters: Parameters, seeds: NDArray[np.int64]) -> Scores:
+        """Fly parameters, shape (B, S, K), with the noise of seeds, shape (B,); the score of each flight."""
+        ...
 
 
 @dataclass
