@@ -9,9 +9,20 @@ import pytest
 
 from flight.scenarios import make_race, make_reference
 from hotlap.feasibility.finding import Level
-from hotlap.feasibility.margins import ENOUGH, describe_margins, explain, margin, margins, needed_thrust, place_of, share_with_margin
+from hotlap.feasibility.margins import (
+    ENOUGH,
+    describe_margins,
+    explain,
+    in_wind,
+    margin,
+    margins,
+    place_of,
+    planned_vectors,
+    share_with_margin,
+)
 from hotlap.planning import plan
 from hotlap.race.hold import parse_hold
+from hotlap.reference.reference import PERIOD, Reference
 from planning import small
 
 REFERENCE = make_reference()
@@ -62,14 +73,49 @@ def test_wind_is_needed_in_its_worst_direction_and_proves_nothing():
     assert under("thrust=-15%", thrust=15.0).lacking
 
 
+def braking(deceleration: float) -> Reference:
+    """Level along x, with the thrust of a plan that leaves half of the deceleration to a drag."""
+    times = PERIOD * np.arange(100)
+    thrust = np.hypot(9.81, deceleration / 2)
+    half = np.arctan2(deceleration / 2, 9.81) / 2
+    return Reference(
+        position=np.outer(20 * times - deceleration * times**2 / 2, [1.0, 0.0, 0.0]),
+        attitude=np.tile([np.cos(half), 0.0, -np.sin(half), 0.0], (100, 1)),
+        velocity=np.outer(20 - deceleration * times, [1.0, 0.0, 0.0]),
+        rates=np.zeros((100, 3)),
+        thrust=np.full(100, thrust),
+        rotor_thrusts=np.full((100, 4), thrust / 4),
+        gate_times=np.array([0.5]),
+        duration=float(times[-1]),
+    )
+
+
+@pytest.mark.parametrize("thrust", [20.0, ROTORS])
+def test_a_plan_that_brakes_with_more_drag_than_the_vehicle_has_needs_rotors_that_make_up_for_it(thrust):
+    race = make_race(controller={"thrust": (0.1, thrust)})
+    dragless = race.vehicle.model_copy(update={"drag": (0.0,) * 3, "rotor_drag": 0.0, "body_drag": (0.0,) * 3})
+    race = race.model_copy(update={"vehicle": dragless})
+    hard, most = braking(34.0), race.control_model.max_acceleration
+    needed = np.hypot(9.81, 34.0)
+    found = margin(race, hard, offset_free=True)
+    assert found.needed == pytest.approx(needed)
+    assert found.thrust == pytest.approx(most / needed)
+    assert found.reserve == pytest.approx(0.9 * most / needed)
+    assert found.limit is None  # no command makes rotors stronger
+    assert found.passing
+    assert not found.lacking
+    assert margin(race, braking(24.0), offset_free=True).enough  # a limit of 20 m/s^2 cuts some of it, but the rotors have it
+
+
 def test_a_battery_sags_towards_the_end():
     fresh, empty = under(""), under("sag=20%")
     assert empty.available == pytest.approx(0.8 * fresh.available, rel=0.02)
     assert empty.time > 0.9 * REFERENCE.duration
 
 
-def test_needed_thrust_is_the_reference_s_own():
-    assert np.allclose(needed_thrust(REFERENCE), REFERENCE.thrust[: REFERENCE.planned_rows])
+def test_what_was_planned_with_is_the_reference_s_thrust_and_a_wind_pushes_level():
+    assert np.allclose(in_wind(planned_vectors(REFERENCE), 0.0), REFERENCE.thrust[: REFERENCE.planned_rows])
+    assert in_wind(np.array([[3.0, 0.0, 0.0], [0.0, 0.0, 3.0]]), 4.0).tolist() == [7.0, 5.0]
 
 
 def test_places_are_told_by_gates():
@@ -105,7 +151,7 @@ def test_the_share_that_is_named_leaves_enough_as_planned():
     heavier = parse_hold("mass=+60%")
     reference = plan(race)
     found = margin(race, reference, *heavier)
-    share = share_with_margin(race, reference, found)
+    share = share_with_margin(race, found)
     assert found.thrust < ENOUGH
     assert share is not None
     slower = race.model_copy(update={"planning": planning.model_copy(update={"thrust_share": share})})
@@ -115,7 +161,7 @@ def test_the_share_that_is_named_leaves_enough_as_planned():
 def test_a_race_that_plans_by_no_share_names_none():
     race = make_race()
     assert race.planning.quadrotor is not None
-    assert share_with_margin(race, REFERENCE, margin(race, REFERENCE)) is None
+    assert share_with_margin(race, margin(race, REFERENCE)) is None
 
 
 def test_check_notes_conditions_without_enough_thrust_and_rates_that_are_not_there():

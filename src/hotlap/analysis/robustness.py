@@ -13,6 +13,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
+from hotlap.feasibility.demands import needed_vectors
 from hotlap.feasibility.margins import Margin, margin
 from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition, join_conditions
 from hotlap.reference.scenario import Scenario
@@ -88,7 +89,9 @@ def check_robustness(
     known = {} if as_tuned is None else {UNCHANGED: as_tuned}
     found = known | fly_conditions(scenario, world, parameters, seeds, [one for one in every if one not in known])
     met = {condition: goal.succeeded(scores) for condition, scores in found.items()}
-    rows = [Robustness(one, Validation(flights, int(met[one].sum())), one in asked, margin_of(scenario, one)) for one in every]
+    vectors = needed_vectors(scenario.race.vehicle, scenario.reference)
+    left = {one: margin(scenario.race, scenario.reference, one, offset_free=scenario.offset_free, vectors=vectors) for one in every}
+    rows = [Robustness(one, Validation(flights, int(met[one].sum())), one in asked, left[one]) for one in every]
     if not explained:
         return tuple(rows)
 

@@ -123,13 +123,18 @@ def advice(race: Race, reference: Reference) -> tuple[str, ...]:
 
 
 def needed_thrust(vehicle: Quadrotor, reference: Reference) -> Floats:
-    """Thrust per mass that the vehicle has to give from each planned row to the next, shape (rows - 1,) [m/s^2].
+    """Thrust per mass that the vehicle has to give from each planned row to the next, shape (rows - 1,) [m/s^2]."""
+    return np.linalg.norm(needed_vectors(vehicle, reference), axis=1)
 
-    It is free to tilt as its own drags need it; the attitudes of the reference do not count.
+
+def needed_vectors(vehicle: Quadrotor, reference: Reference) -> Floats:
+    """The same as vectors f, shape (rows - 1, 3) [m/s^2] (world).
+
+    The vehicle is free to tilt as its own drags need it; the attitudes of the reference do not count.
     """
     velocity = reference.velocity[: reference.planned_rows]
     acceleration = np.diff(velocity, axis=0) / reference.period
-    return np.linalg.norm(with_drag(vehicle, (velocity[1:] + velocity[:-1]) / 2, acceleration), axis=1)
+    return with_drag(vehicle, (velocity[1:] + velocity[:-1]) / 2, acceleration)
 
 
 def _rotor_share(race: Race, reference: Reference) -> float:

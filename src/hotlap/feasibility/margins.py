@@ -6,8 +6,11 @@ effectiveness. With R the thrust of all rotors per m, and L the controller's thr
     k min(L, R)                              of a controller that does not know k,
     min(L, k min(max(L, 0.9 R), R))          of one that estimates it: it may command more than L, but leaves the rotors a tenth for torque.
 
-What is needed is |T z - d|, of the reference's thrust T along its axis z, with the drags that were planned with, and the wind's
-acceleration d in its worst horizontal direction.
+What is needed of both is |T z - d|, of the reference's thrust T along its axis z, with the drags that were planned with, and the
+wind's acceleration d in its worst horizontal direction. What is needed of the rotors alone, k R, is |f - d|: the thrust f that the
+accelerations need of a vehicle with its own drags (`demands.needed_vectors`). It is more than T where a plan brakes with a drag that its
+vehicle has not (`planning.v_max`): what the controller's limit cuts of such a peak costs some distance, but rotors that give everything
+cannot turn the drone.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.feasibility.demands import HELD, running_mean
+from hotlap.feasibility.demands import HELD, needed_vectors, running_mean
 from hotlap.feasibility.finding import Finding, note_if
 from hotlap.race.battery import MOST_LOST
 from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition
@@ -49,8 +52,10 @@ class Margin:
         time: [s] of that moment.
         place: the same in words: "at gate 3".
         rates: body rates that the controller may command over those of the reference, of the axis with the least left [-].
-        passing: whether that is so for a while alone: in the worst direction of a wind, or at the end of a battery.
+        passing: whether that is so for a while alone: in the worst direction of a wind, at the end of a battery, or where the vehicle has
+            less drag to brake with than the plan.
         reserve: as `thrust`, but a tenth of what the rotors give is left to turn with [-].
+        shrink: what the thrust of the plan would have to be multiplied by to leave enough [-].
         limit: [m/s^2] `controller.thrust` that would leave enough, where the rotors have it; None where they have not.
     """
 
@@ -62,6 +67,7 @@ class Margin:
     rates: float
     passing: bool = False
     reserve: float = math.inf
+    shrink: float = 1.0
     limit: float | None = None
 
     @property
@@ -85,7 +91,53 @@ class Margin:
         return f"{math.floor(100 * self.thrust + 1e-9) / 100:.2f}"
 
 
-def margin(race: Race, reference: Reference, condition: Condition = UNCHANGED, *, offset_free: bool = False) -> Margin:
+@dataclass(frozen=True)
+class _Side:
+    """Thrust per mass that is needed and that is there, each of shape (rows,) [m/s^2].
+
+    Attributes:
+        needed: in a wind, held.
+        calm: without it.
+        there: what can be given.
+        turning: that where a tenth of what the rotors give is left to turn with.
+    """
+
+    needed: Floats
+    calm: Floats
+    there: Floats
+    turning: Floats
+
+    @staticmethod
+    def of(vectors: Floats, wind: float, steps: int, there: Floats, turning: Floats) -> _Side:
+        """What thrust vectors, shape (rows + steps - 1, 3), ask for where each has to be held for so many steps."""
+        needed, calm = (running_mean(in_wind(vectors, push), steps) for push in (wind, 0.0))
+        return _Side(needed, calm, there, turning)
+
+    @property
+    def worst(self) -> int:
+        """Row where least is left."""
+        return int((self.there / self.needed).argmin())
+
+    @property
+    def thrust(self) -> float:
+        """What is there over what is needed, where that is least [-]."""
+        return float((self.there / self.needed).min())
+
+    @property
+    def reserve(self) -> float:
+        """The same with a tenth left to turn with [-]."""
+        return float((self.turning / self.needed).min())
+
+    @property
+    def shrink(self) -> float:
+        """What the thrust that is needed without wind would have to be multiplied by to leave enough [-]."""
+        worst = int((self.turning / self.needed).argmin())
+        return float((self.turning[worst] / ENOUGH - self.needed[worst]) / self.calm[worst]) + 1
+
+
+def margin(
+    race: Race, reference: Reference, condition: Condition = UNCHANGED, *, offset_free: bool = False, vectors: Floats | None = None
+) -> Margin:
     """What a vehicle can give over what a reference needs, under a condition.
 
     Steady wind counts in its worst direction, gusts with their standard deviation, a battery's sag with what it has taken by then.
@@ -95,54 +147,63 @@ def margin(race: Race, reference: Reference, condition: Condition = UNCHANGED, *
         reference: planned or read.
         condition: what is different from the race.
         offset_free: whether the controller estimates its thrust and what pushes it.
+        vectors: `needed_vectors` of the race's vehicle and the reference; None: they are computed here.
     """
     noise, vehicle = condition.noise(race.noise), _by_name(condition.vehicle_parameters(vehicle_parameters_of(race.vehicle)))
     wind, steps = noise.steady_wind + noise.wind, round(HELD / reference.period)
-    needed = needed_thrust(reference, wind)
-    left = running_mean(1 - _lost(vehicle, needed, reference.period), steps)
-    needed = running_mean(needed, steps)
+    vectors = needed_vectors(race.vehicle, reference) if vectors is None else vectors
+    left = running_mean(1 - _lost(vehicle, in_wind(vectors, wind), reference.period), steps)
     effectiveness, rotors = left * race.control_model.mass / vehicle["mass"], 4 * vehicle["rotor_thrust_max"] / race.control_model.mass
-    available = _available(race.controller.thrust[1], rotors, effectiveness, offset_free=offset_free)
-    worst = int((available / needed).argmin())
-    time = (worst + 0.5 * (reference.planned_rows - len(needed))) * reference.period
-    turning, share = FOR_TORQUE * rotors, float(effectiveness[worst])
-    most = race.controller.thrust[1]
-    reserve = float(((np.minimum(most, effectiveness * turning) if offset_free else effectiveness * min(most, turning)) / needed).min())
-    limit = ENOUGH * float(needed[worst])
-    limit = limit if offset_free and share * turning >= limit else limit / min(share, 1.0)
-    passing = bool(wind > 0 or left[-1] < left[0])
-    place, rates, known = place_of(race, reference, time), _rates(race, reference), limit if limit <= turning else None
-    return Margin(condition, float(available[worst]), float(needed[worst]), time, place, rates, passing, reserve, known)
+    most, turning = race.controller.thrust[1], FOR_TORQUE * rotors
+    available = _available(most, rotors, effectiveness, offset_free=offset_free)
+    reserved = np.minimum(most, effectiveness * turning) if offset_free else effectiveness * min(most, turning)
+    both = _Side.of(planned_vectors(reference)[:-1], wind, steps, available, reserved)
+    alone = _Side.of(vectors, wind, steps, effectiveness * rotors, effectiveness * turning)
+    side = min(both, alone, key=lambda one: one.thrust)
+    time = (side.worst + 0.5 * (len(vectors) + 1 - len(left))) * reference.period
+    return Margin(
+        condition=condition,
+        available=float(side.there[side.worst]),
+        needed=float(side.needed[side.worst]),
+        time=time,
+        place=place_of(race, reference, time),
+        rates=_rates(race, reference),
+        passing=bool(wind > 0 or left[-1] < left[0] or both.thrust >= 1),
+        reserve=min(both.reserve, alone.reserve),
+        shrink=min(both.shrink, alone.shrink),
+        limit=_limit(both, float(effectiveness[both.worst]), turning, offset_free=offset_free) if alone.reserve >= ENOUGH else None,
+    )
 
 
-def needed_thrust(reference: Reference, wind: float = 0.0) -> Floats:
-    """Thrust per mass that each planned row needs in the worst horizontal wind, shape (rows,) [m/s^2].
+def _limit(side: _Side, effectiveness: float, turning: float, *, offset_free: bool) -> float | None:
+    """`controller.thrust` [m/s^2] that leaves enough; None where the rotors have not that much and a tenth to turn with."""
+    limit = ENOUGH * float(side.needed[side.worst])
+    limit = limit if offset_free and effectiveness * turning >= limit else limit / min(effectiveness, 1.0)
+    return limit if limit <= turning else None
 
-    Args:
-        reference: planned or read.
-        wind: [m/s^2] acceleration.
-    """
+
+def planned_vectors(reference: Reference) -> Floats:
+    """Thrust per mass of each planned row, as the reference has it, shape (rows, 3) [m/s^2] (world)."""
     rows = slice(0, reference.planned_rows)
-    vectors = thrust_axis(reference.attitude[rows]) * reference.thrust[rows, None]
+    return thrust_axis(reference.attitude[rows]) * reference.thrust[rows, None]
+
+
+def in_wind(vectors: Floats, wind: float) -> Floats:
+    """Length of thrust vectors, shape (rows, 3), in the worst horizontal direction of a wind, an acceleration [m/s^2]; shape (rows,)."""
     return np.hypot(np.linalg.norm(vectors[:, :2], axis=1) + wind, vectors[:, 2])
 
 
-def share_with_margin(race: Race, reference: Reference, found: Margin) -> float | None:
+def share_with_margin(race: Race, found: Margin) -> float | None:
     """About the `planning.thrust_share` whose plan leaves enough; None where none does, or the race does not plan by a share.
-
-    What the plan itself takes is scaled; what the wind adds stays.
 
     Args:
         race: whose plan it is.
-        reference: the plan.
         found: its margin.
     """
     if race.planning.quadrotor is not None:
         return None
-    planned = float(running_mean(reference.thrust[: reference.planned_rows], round(HELD / reference.period)).max())
-    wanted = found.needed * found.reserve / ENOUGH - (found.needed - planned)
     most = race.control_model.max_acceleration
-    share = math.floor(100 * wanted / planned * race.planning_model.max_acceleration / most) / 100
+    share = math.floor(100 * found.shrink * race.planning_model.max_acceleration / most) / 100
     return share if share * most > HOVERING * race.control_model.gravity else None
 
 
@@ -170,12 +231,13 @@ def help_with(race: Race, reference: Reference, found: Margin, *, planned: bool 
     capped = planned and race.planning_model.max_acceleration > 0.94 * race.controller.thrust[1]  # a higher limit makes a bolder plan
     if found.limit is not None and not capped:
         return f"controller.thrust = [{race.controller.thrust[0]:g}, {math.ceil(10 * found.limit) / 10:g}] would: the rotors have it"
-    share = share_with_margin(race, reference, found) if planned else None
+    share = share_with_margin(race, found) if planned else None
     if share is not None:
         return f"planning.thrust_share = {share:g} would, about"
     if planned and race.planning.quadrotor is None:
         return "no plan would: the vehicle is too weak"
-    return f"{'a plan' if planned else 'a reference'} that takes at most {found.needed * found.reserve / ENOUGH:.1f} m/s^2 would"
+    most = found.shrink * running_mean(reference.thrust[: reference.planned_rows], round(HELD / reference.period)).max()
+    return f"{'a plan' if planned else 'a reference'} that takes at most {most:.1f} m/s^2 would"
 
 
 def margins(race: Race, reference: Reference, *, offset_free: bool = False) -> tuple[Margin, ...]:
@@ -186,7 +248,8 @@ def margins(race: Race, reference: Reference, *, offset_free: bool = False) -> t
         reference: planned or read.
         offset_free: whether the controller estimates its thrust and what pushes it.
     """
-    found = [margin(race, reference, condition, offset_free=offset_free) for condition in (UNCHANGED, *DEFAULT_CONDITIONS)]
+    vectors, every = needed_vectors(race.vehicle, reference), (UNCHANGED, *DEFAULT_CONDITIONS)
+    found = [margin(race, reference, condition, offset_free=offset_free, vectors=vectors) for condition in every]
     return tuple(one for one in found if one is found[0] or one.thrust < found[0].thrust - SAME)
 
 
