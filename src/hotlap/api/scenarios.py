@@ -13,6 +13,7 @@ from hotlap.api.progress import Progress
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.core.parameters import Parameters
 from hotlap.files.descriptions import PARAMETERS_FILE, load_parameters, load_race
+from hotlap.files.parameters_file import CHOSEN_SHARE
 from hotlap.first_guess.guess import first_guess, teaches
 from hotlap.first_guess.names import DEFAULT, LEARNED, NAMES
 from hotlap.first_guess.training_set import load_training_set, shipped
@@ -24,7 +25,6 @@ from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.study.database import FILE
 from hotlap.worlds.world import World
 
-SHARE = "thrust_share"  # what parameters remember of a plan that was chosen
 TRAINING = ".json"  # what the files of training sets end with
 
 
@@ -71,7 +71,7 @@ def planned_as(race: Race, parameters: Any) -> Race:
     if not given or not race.planning.free or not Path(parameters).exists():
         return race
     saved = load_parameters(parameters)
-    share = saved.provenance.get(SHARE)
+    share = saved.provenance.get(CHOSEN_SHARE)
     return race.with_share(float(share)) if share is not None and saved.race == race.name else race
 
 

@@ -17,7 +17,7 @@ from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
-from hotlap.api.scenarios import SHARE, check_guess, load, make_ready, make_scenario, planned_as
+from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario, planned_as
 from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
@@ -28,7 +28,7 @@ from hotlap.core.version import __version__
 from hotlap.feasibility.demands import advice
 from hotlap.feasibility.race import loose_judge
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
-from hotlap.files.parameters_file import Remark, SavedParameters
+from hotlap.files.parameters_file import CHOSEN_SHARE, Remark, SavedParameters
 from hotlap.first_guess.names import LEARNED
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
@@ -332,7 +332,7 @@ def _saved(study: Study, result: Result) -> SavedParameters:
         provenance |= {"validation_flights": result.validation.flights, "validated_rate": result.validation.rate}
         provenance |= {"validated_low": low, "validated_high": high}
     if study.plans:
-        provenance[SHARE] = scenario.race.planning.thrust_share
+        provenance[CHOSEN_SHARE] = scenario.race.planning.thrust_share
     known = {key: value for key, value in provenance.items() if value is not None}
     return SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, result.best.parameters, known)
 

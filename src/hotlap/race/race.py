@@ -137,7 +137,7 @@ class ControllerSettings(Described):
     observer: ObserverSettings = ObserverSettings()
     """how fast these are estimated."""
     reference_drag: bool = True
-    """make up for the model's drag at the reference's velocities and attitudes."""
+    """make up for the model's drag at the velocities and attitudes of the plan."""
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
     """what a predicting controller compares with: the reference when the command acts, or now."""
     segment_switch: SegmentSwitch = SegmentSwitch.TIME
