@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from hotlap import tuners, worlds
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
-from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, minutes_each, plan_of
+from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, minutes_beside, plan_of
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -204,18 +204,17 @@ def carry_out(asked: Asked) -> TuningResult:
     scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
     hints = advice(scenario.race, scenario.reference) if told else ()
     if not (chosen or plans or result.best.confirmed or result.goal == Quantity.NONE):
-        hints += advise_calmer(job.race, job.world, job.settings, job.configuration, folder, asked)
+        hints += advise_calmer(job.race, job.world, job.settings, job.configuration, folder, asked, result.wall_time)
     return TuningResult(scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans)
 
 
 def _go_on(job: _Job, folder: Path) -> tuple[Configuration, tuple[TriedPlan, ...]]:
     """How the race of a study that is there is tuned: where it fixes no plan, with that of the study and what is left of the budget."""
-    share, plans, race, settings = *plan_of(folder), job.race, job.settings
+    (share, plans, beside), race, settings = plan_of(folder), job.race, job.settings
     if race.planning.free and share is not None and job.asked.reference is None:
         race = race.with_share(share)
         others = sum(plan.flights for plan in plans if plan.share != share)
-        minutes = minutes_each(settings) if plans else settings.minutes
-        settings = replace(settings, budget=max(settings.budget - others, 1), minutes=minutes)
+        settings = replace(settings, budget=max(settings.budget - others, 1), minutes=minutes_beside(settings, beside))
     with job.asked.remarked("begin again"):
         return job.configuration(race, settings), plans
 
