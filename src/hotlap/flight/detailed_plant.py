@@ -54,9 +54,8 @@ def detailed_vehicle_numbers(vehicle_parameters: Floats, quadrotor: Quadrotor, s
     check_vehicle_parameters(vehicle_parameters)
     parts = {name: part_of(vehicle_parameters, name) for name in COLUMNS}
     places, spins = quadrotor.rotor_positions / quadrotor.arm, quadrotor.rotor_spins
-    parts["torques"] = (
-        parts["arm"] * torques_of(places, spins, 0.0).ravel() + parts["torque_ratio"] * torques_of(0 * places, spins, 1.0).ravel()
-    )
+    by_arm, by_ratio = torques_of(places, spins, 0.0).ravel(), torques_of(0 * places, spins, 1.0).ravel()
+    parts["torques"] = parts["arm"] * by_arm + parts["torque_ratio"] * by_ratio
     parts["motor_shares"] = motor_shares(parts["motor_time"], step)
     rows = len(vehicle_parameters)
     parts["thrust_lag"] = np.full((rows, 1), float(quadrotor.motor_lag is MotorLag.THRUST))
@@ -131,26 +130,10 @@ def allocate_detailed_state(
     """
     whole = math.floor(rate_delay / step + 1e-9)
     remembered = sum(LOOP_STATE.values()) if kind.pid else 0
-    size, vehicle, autopilot = (
-        13 + kind.rotors + remembered,
-        *(sum(f(kind.rotors).values()) for f in (detailed_vehicle, detailed_autopilot)),
-    )
-    shapes = [
-        (size,),
-        (size,),
-        (3,),
-        (4,),
-        (4,),
-        (4,),
-        (1,),
-        (vehicle,),
-        (autopilot,),
-        (DISTURBANCE_SIZE,),
-        (1,),
-        (whole + 2, 3),
-        (1,),
-        (3,),
-    ]
+    size = 13 + kind.rotors + (sum(LOOP_STATE.values()) if kind.pid else 0)
+    vehicle, autopilot = (sum(layout(kind.rotors).values()) for layout in (detailed_vehicle, detailed_autopilot))
+    of_plain = [(count,) for count in (size, size, 3, 4, 4, 4, 1, vehicle, autopilot, DISTURBANCE_SIZE, 1)]
+    shapes = (*of_plain, (whole + 2, 3), (1,), (3,))
     memory = DetailedState(*(aligned_zeros((*shape, lanes), real) for shape in shapes))
     memory.between.fill(max(rate_delay / step - whole, 0.0))
     for array in (memory.state[3], memory.vehicle, memory.autopilot, memory.step):

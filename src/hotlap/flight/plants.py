@@ -11,7 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from hotlap.flight.detailed_plant import allocate_detailed_state, detailed_autopilot_numbers, detailed_functions, detailed_vehicle_numbers
-from hotlap.flight.numbers import INNER
+from hotlap.flight.numbers import COMPILE
 from hotlap.flight.plant import VehicleState, allocate_vehicle_state, autopilot_numbers, fly_period, vehicle_numbers
 from hotlap.race.plant_kind import PLAIN, detailed_kind, plant_kind_of
 from hotlap.race.quadrotor import Quadrotor
@@ -31,7 +31,7 @@ class PlantFunctions(NamedTuple):
     fly_period: Any
 
 
-@njit(**INNER)
+@njit(**COMPILE)
 def _stay(vehicle_state: VehicleState, k: int) -> None:
     """Nothing: four rotors hover already."""
 

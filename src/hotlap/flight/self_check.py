@@ -256,12 +256,6 @@ def make_scenario(law: str, plant: str = PLAIN) -> Scenario:
     kind, solver = kind_and_solver(law)
     settings = ControllerSettings(kind=kind, solver=solver, nodes=NODES, thrust=THRUST, horizon_unit=HORIZON_UNIT)
     judge = JudgeSettings(rule=GateRule.OPENING, window=(end, 0.0), fly_on=True)
-    race = Race(
-        name="self-check",
-        track=track,
-        vehicle=DRONE if plant == PLAIN else detailed_drone(plant),
-        controller=settings,
-        noise=NOISE,
-        judge=judge,
-    )
+    drone = DRONE if plant == PLAIN else detailed_drone(plant)
+    race = Race(name="self-check", track=track, vehicle=drone, controller=settings, noise=NOISE, judge=judge)
     return Scenario(race, reference, Segments(np.array([0.0, end / 4]), (SegmentClass.FLAT, SegmentClass.FLAT), end))
