@@ -14,7 +14,7 @@ from fake_world import make_scenario
 from hall import HALL, make_hall
 from hotlap.core.errors import InputError
 from hotlap.race.obstacles import Sphere
-from hotlap.race.quadrotor import RotorLayout, torque_matrix
+from hotlap.race.rotors import RotorLayout, torque_matrix
 from hotlap.report.film import recording
 from hotlap.report.film.drone import draw_drone, turn
 from hotlap.report.film.film import LONGEST, pace_of, write_film

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.race.quadrotor import RotorLayout, rotor_positions
+from hotlap.race.rotors import RotorLayout, rotor_positions
 
 Floats = NDArray[np.float64]
 

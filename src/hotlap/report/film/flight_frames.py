@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.records import Flights
-from hotlap.race.quadrotor import RotorLayout
+from hotlap.race.rotors import RotorLayout
 from hotlap.reference.scenario import Scenario
 from hotlap.report.page.replay import ParameterSet
 from hotlap.report.scene import trace

@@ -12,8 +12,8 @@ from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.feasibility.race import mistaken
 from hotlap.files.descriptions import PARAMETERS_FILE, to_toml
-from hotlap.race.quadrotor import rotor_positions
 from hotlap.race.race import GateRule
+from hotlap.race.rotors import rotor_positions
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
 from hotlap.report.history import collect, succeeded
