@@ -1,0 +1,35 @@
+"""Address: where AirSim's API is served, and the vehicle that is flown there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+HOST, PORT, MOST_PORT = "127.0.0.1", 41451, 65535
+
+
+@dataclass(frozen=True)
+class Address:
+    """One vehicle of one simulator.
+
+    Attributes:
+        host: name or address of the machine.
+        port: of TCP; `ApiServerPort` in settings.json.
+        vehicle: its name in settings.json; "": the only one.
+    """
+
+    host: str = HOST
+    port: int = PORT
+    vehicle: str = ""
+
+
+def address_of(text: str) -> Address:
+    """An address written as `host:port:vehicle`, of which anything may be missing.
+
+    Raises:
+        ValueError: the port is none.
+    """
+    host, _, rest = text.partition(":")
+    port, _, vehicle = rest.partition(":")
+    if port and not (port.isascii() and port.isdigit() and 0 < int(port) <= MOST_PORT):
+        raise ValueError(f"the port must be a number from 1 to {MOST_PORT}, not '{port}': airsim:host:port:vehicle")
+    return Address(host or HOST, int(port) if port else PORT, vehicle)
