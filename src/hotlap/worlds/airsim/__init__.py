@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from hotlap.core.errors import InputError
 from hotlap.reference.scenario import Scenario
-from hotlap.worlds.airsim.address import MOST_PORT, address_of
+from hotlap.worlds.airsim.address import address_of
 from hotlap.worlds.airsim.client import TIMEOUT, Client
 from hotlap.worlds.airsim.simulator import AirSim
 
@@ -25,12 +23,9 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "", timeou
         SimulatorError: nobody answers there, or it has no such vehicle.
     """
     try:
-        address = address_of(argument)
-        if address.port + instance > MOST_PORT:
-            raise ValueError(f"there is no port {address.port + instance} for simulator {instance + 1}")
+        address = address_of(argument, instance)
     except ValueError as error:
         raise InputError("", "on", str(error)) from None
-    address = replace(address, port=address.port + instance)
     client = Client(address.host, address.port, timeout)
     try:
         return AirSim(client, address.vehicle, timeout)

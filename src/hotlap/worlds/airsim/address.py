@@ -22,14 +22,19 @@ class Address:
     vehicle: str = ""
 
 
-def address_of(text: str) -> Address:
+def address_of(text: str, further: int = 0) -> Address:
     """An address written as `host:port:vehicle`, of which anything may be missing.
+
+    Args:
+        text: what was written.
+        further: by which the port is raised.
 
     Raises:
         ValueError: the port is none.
     """
     host, _, rest = text.partition(":")
     port, _, vehicle = rest.partition(":")
-    if port and not (port.isascii() and port.isdigit() and 0 < int(port) <= MOST_PORT):
-        raise ValueError(f"the port must be a number from 1 to {MOST_PORT}, not '{port}': airsim:host:port:vehicle")
-    return Address(host or HOST, int(port) if port else PORT, vehicle)
+    number = (int(port) if port.isascii() and port.isdigit() else 0) if port else PORT
+    if not 0 < number <= MOST_PORT - further:
+        raise ValueError(f"the port must be a number from 1 to {MOST_PORT - further}, not '{port}' (airsim:host:port:vehicle)")
+    return Address(host or HOST, number + further, vehicle)

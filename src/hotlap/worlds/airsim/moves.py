@@ -47,6 +47,7 @@ class Moves:
             if before is None or not self._call_off(before) or not self._client.has_replied(self._present, SETTLED):
                 return
             self._end(self._present)
+            self._present = None
         raise self._client.fault(f"moveByAngleRatesThrottle was called off {TRIES} times: does another program fly this vehicle?")
 
     def stop(self) -> None:

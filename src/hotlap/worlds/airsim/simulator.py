@@ -7,9 +7,9 @@ has flown too much or too little counts in the next period.
 
 from __future__ import annotations
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from time import monotonic
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,7 +69,8 @@ class AirSim:
         self._take_control()
         self._client.call("simPause", True)
         environment = self._ask("simGetGroundTruthEnvironment")
-        self._newton = SEA_LEVEL / (THRUST * self._understood(lambda: environment["air_density"].positive()))
+        with _understood():
+            self._newton = SEA_LEVEL / (THRUST * environment["air_density"].positive())
         self._begin()
         self.advance(np.array([[GRAVITY, 0.0, 0.0, 0.0]]), SETTLING)
         self._place(start.state)
@@ -100,7 +101,7 @@ class AirSim:
         if self._tells_rotors:
             try:
                 rotors = self._ask("getRotorStates")["rotors"]
-                thrusts = self._understood(lambda: [rotor["thrust"].number() for rotor in rotors.entries()])
+                thrusts = [rotor["thrust"].number() for rotor in rotors.entries()]
                 return np.array(thrusts)[None, OURS_FROM_THEIRS]
             except (CallError, InputError, IndexError):
                 self._tells_rotors = False
@@ -187,7 +188,8 @@ class AirSim:
         stamp = told.value.get("timestamp") if isinstance(told.value, dict) else None
         if not isinstance(stamp, int) or isinstance(stamp, bool):
             raise self._client.fault(f"getMultirotorState.timestamp must be a whole number, not {stamp!r:.40}")
-        self._state = self._understood(lambda: state_of(told["kinematics_estimated"]))
+        with _understood():
+            self._state = state_of(told["kinematics_estimated"])
         if self._client.reply(controlled) is not True:
             raise self._client.fault("API control was lost: does a remote control or another program fly this vehicle?")
         return stamp
@@ -196,9 +198,11 @@ class AirSim:
         """What a call about the vehicle returns."""
         return Content(self._client.name, self._client.call(method, self._vehicle), method)
 
-    def _understood(self, read: Any) -> Any:
-        """What is read from a reply; one that makes no sense loses the simulator."""
-        try:
-            return read()
-        except InputError as error:
-            raise SimulatorError(str(error)) from None
+
+@contextmanager
+def _understood() -> Iterator[None]:
+    """A reply that makes no sense loses the simulator."""
+    try:
+        yield
+    except InputError as error:
+        raise SimulatorError(str(error)) from None
