@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import msgpack
 import numpy as np
@@ -49,6 +49,7 @@ class Server:
     Attributes:
         plant: what flies.
         vehicle: its name, besides "".
+        spawn: where it was set up in the level [m] (north, east, down).
         scene: objects by name: position and orientation (x, y, z; w, x, y, z; north, east, down) and scale.
         racing_lab: whether it is Drone Racing Lab: another pose call, no kinematics to be set, no rotors.
         loses_cancel: numbers of the moves that do not notice that they were replaced.
@@ -74,6 +75,7 @@ class Server:
     disowned_at: int = -1
     altered: dict[str, Callable[[Any], Any]] = field(default_factory=dict)
     raw: dict[str, bytes] = field(default_factory=dict)
+    spawn: tuple[float, float, float] = (0.0, 0.0, 0.0)
     density: float = DEFAULT_DENSITY
     violations: list[str] = field(default_factory=list)
     calls: Counter[str] = field(default_factory=Counter)
@@ -81,7 +83,7 @@ class Server:
     thrusts: list[float] = field(default_factory=list)
     periods: list[int] = field(default_factory=list)
 
-    def __enter__(self) -> Server:
+    def __enter__(self) -> Self:
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.port = self._listener.getsockname()[1]
         self._open: list[socket.socket] = []
@@ -198,12 +200,19 @@ class Server:
             "simSetVehiclePose": ((dict, bool, str), lambda pose, *_: self._place(pose)),
             "simListSceneObjects": ((str,), lambda _: list(self.scene)),
             "simGetObjectScale": ((str,), lambda name: _vector(self.scene[name][2])),
-            "simGetObjectPose": ((str, bool) if self.racing_lab else (str,), lambda name, *_: _pose(*self.scene[name][:2])),
+            "simGetObjectPose": ((str, bool) if self.racing_lab else (str,), lambda name, *_: self._object(name)),
         }
         if not self.racing_lab:
             every["simSetKinematics"] = ((dict, bool, str), lambda kinematics, *_: self._place(kinematics))
             every["getRotorStates"] = ((str,), lambda _: {"rotors": self._rotors(), "timestamp": self.stamp})
         return every
+
+    def _object(self, name: str) -> dict[str, Any]:
+        """Where something of the level is; NaN where there is no such thing."""
+        if name == self.vehicle:
+            return _pose(self.plant.state[:3] * [1, -1, -1] + self.spawn, [1, 0, 0, 0])
+        nowhere = [np.nan] * 3, [np.nan] * 4
+        return _pose(*self.scene.get(name, nowhere)[:2])
 
     def _arm(self, on: bool, _: str) -> bool:
         if not self._api:

@@ -1,7 +1,7 @@
 """A module such as a user builds for flightlib; it flies as flightlib does, in numpy.
 
-Forces act as they are at the beginning of a step, the rest of the step is integrated by Runge and Kutta's rule; rotor speeds follow with one
-time constant, the floor of the box stops a fall.
+Forces act as they are at the beginning of a step, the rest of the step is integrated by Runge and Kutta's rule; rotor speeds follow
+with one time constant, the floor of the box stops a fall.
 """
 
 from __future__ import annotations

@@ -105,7 +105,7 @@ class Flightmare:
         """Call the module; what goes wrong in it is one line."""
         try:
             return getattr(self._drone, name)(*arguments)
-        except Exception as error:  # noqa: BLE001  code of the user's
+        except Exception as error:
             raise SimulatorError(f"{self._name}: Quadrotor.{name}: {type(error).__name__}: {error}") from error
 
 

@@ -40,6 +40,21 @@ def attitude_of(content: Content) -> Floats:
     return attitude / norm
 
 
+def rotation_of(content: Content) -> Floats:
+    """World from body, shape (3, 3): the columns are the body's front, right and down, in our world.
+
+    Raises:
+        InputError: it is none, or not finite.
+    """
+    w, x, y, z = attitude_of(content)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.array(rows) * HALF_TURN
+
+
 def state_of(kinematics: Content) -> Floats:
     """Position, attitude, velocity and body rates, shape (13,), of what AirSim calls kinematics.
 
