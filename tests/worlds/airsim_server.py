@@ -61,6 +61,9 @@ class Server:
         raw: bytes that are sent in place of the reply to a call.
         violations: what the real one would not have survived.
         calls: how often each was called.
+        paused, controlled: whether the simulation is, and whether the API has control.
+        thrusts: [N] of each move.
+        periods: steps of each `simContinueForTime`.
         holds: steps in which the vehicle held its position.
     """
 
@@ -89,7 +92,7 @@ class Server:
         self._open: list[socket.socket] = []
         self._lock, self._threads = threading.Lock(), [threading.Thread(target=self._accept)]
         self.stamp, self._steps, self._continued, self._moves = 1_700_000_000_000_000_000, 0, 0, 0
-        self._api = self._armed = self._paused = self._placed = False
+        self.controlled = self._armed = self.paused = self._placed = False
         self._move: Move | None = None
         self._goal, self._goal_stamp, self._stuck = np.zeros(4), 0, 0
         self._threads[0].start()
@@ -186,11 +189,11 @@ class Server:
         every: dict[str, tuple[tuple[type, ...], Callable[..., Any]]] = {
             "ping": ((), lambda: True),
             "listVehicles": ((), lambda: [self.vehicle]),
-            "enableApiControl": ((bool, str), lambda on, _: setattr(self, "_api", on)),
-            "isApiControlEnabled": ((str,), lambda _: self._api),
+            "enableApiControl": ((bool, str), lambda on, _: setattr(self, "controlled", on)),
+            "isApiControlEnabled": ((str,), lambda _: self.controlled),
             "armDisarm": ((bool, str), self._arm),
-            "simPause": ((bool,), lambda on: setattr(self, "_paused", on)),
-            "simIsPaused": ((), lambda: self._paused),
+            "simPause": ((bool,), lambda on: setattr(self, "paused", on)),
+            "simIsPaused": ((), lambda: self.paused),
             "reset": ((), none),
             "cancelLastTask": ((str,), none),
             "simContinueForTime": ((float,), none),
@@ -215,7 +218,7 @@ class Server:
         return _pose(*self.scene.get(name, nowhere)[:2])
 
     def _arm(self, on: bool, _: str) -> bool:
-        if not self._api:
+        if not self.controlled:
             self.violations.append("armDisarm without API control")
         self._armed = on
         return True
@@ -223,14 +226,14 @@ class Server:
     def _begin_move(self, connection: socket.socket, number: int, arguments: list) -> None:
         p, q, r, throttle, duration, _ = arguments
         self._moves += 1
-        if not (self._api and self._armed and self._paused):
-            self.violations.append(f"a move with API control {self._api}, armed {self._armed}, paused {self._paused}")
+        if not (self.controlled and self._armed and self.paused):
+            self.violations.append(f"a move with API control {self.controlled}, armed {self._armed}, paused {self.paused}")
         if not LOWEST_THROTTLE < throttle <= 1 or not np.isfinite([p, q, r, throttle]).all():
             self.violations.append(f"a move with rates {p}, {q}, {r} and throttle {throttle}")
         if duration < HOLDS_AFTER * 1e-9:
             self.violations.append(f"a move of {duration} s")
         if self._moves == self.disowned_at:
-            self._api = False
+            self.controlled = False
         before = self._move
         newtons = throttle * FULL_THRUST * self.density / SEA_LEVEL
         self._move = Move(number, np.array([newtons / self.plant.quadrotor.mass, p, -q, -r]), self.stamp + int(duration * 1e9))
@@ -258,14 +261,14 @@ class Server:
         if self._move is not None:
             self.violations.append("reset in the middle of a move")
             self._reply(connection, self._move.number, False)
-        self._move, self._api, self._armed, self._placed = None, False, False, False
+        self._move, self.controlled, self._armed, self._placed = None, False, False, False
         self._continued = self._steps = 0
         self._goal = np.zeros(4)
         self.plant.stop()
 
     def _continue(self, connection: socket.socket, seconds: float) -> None:
         """Fly: the steps that were asked for, now and then one more, or none at all."""
-        if not self._paused:
+        if not self.paused:
             self.violations.append("simContinueForTime without simPause")
         self._continued += 1
         steps = int(np.ceil(seconds / STEP)) + (self._continued % 7 == 3)
@@ -289,7 +292,7 @@ class Server:
             self._move = None
 
     def _place(self, kinematics: dict) -> None:
-        if not self._paused:
+        if not self.paused:
             self.violations.append("placed while the simulation runs")
         state = self.plant.state
         state[:3] = _list(kinematics["position"]) * [1, -1, -1]

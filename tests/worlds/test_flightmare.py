@@ -8,12 +8,10 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from flight.scenarios import make_race, make_reference, make_scenario
-from hotlap.core.errors import InputError
+from flight.scenarios import make_scenario
 from hotlap.files.descriptions import load_quadrotor
-from hotlap.reference.scenario import Scenario
-from hotlap.worlds.flightmare import STEP, Flightmare, open_simulator
-from hotlap.worlds.simulator import SimulatorError, Start
+from hotlap.worlds.flightmare import open_simulator
+from hotlap.worlds.simulator import Start
 from worlds import flightlib
 
 VEHICLE = load_quadrotor("flightmare")

@@ -49,7 +49,8 @@ def read(path: str | Path, name: str | None = None) -> Imported:
         SimulatorError: no simulator answers.
     """
     if airsim.is_address(str(path)):
-        return _imported(str(path), airsim.NAME, Kind.TRACK, airsim.read_level(str(path), name), "")
+        source, found = airsim.read_level(str(path), name)
+        return _imported(source, airsim.NAME, Kind.TRACK, found, "")
     root = read_document(Path(path))
     source = Markup(str(path), root) if isinstance(root, Element) else Content(str(path), root)
     format_ = _format_of(source)

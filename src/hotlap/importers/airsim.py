@@ -58,21 +58,25 @@ def is_address(source: str) -> bool:
     return source.startswith(PREFIX)
 
 
-def read_level(source: str, name: str | None) -> Findings:
+def read_level(text: str, name: str | None) -> tuple[str, Findings]:
     """The track of a level that runs.
 
     Args:
-        source: `airsim://host:port:vehicle`, of which everything after the colon may be missing.
+        text: `airsim://host:port:vehicle`, of which everything after the first colon may be missing.
         name: what the track is to be called.
+
+    Returns:
+        The address as it was understood, and what was found there.
 
     Raises:
         InputError: it has no gates with numbers, or says what cannot be.
         SimulatorError: nobody answers there.
     """
     try:
-        address = address_of(source.removeprefix(PREFIX).strip("/"))
+        address = address_of(text.removeprefix(PREFIX).strip("/"))
     except ValueError as error:
-        raise InputError(source, "", str(error)) from None
+        raise InputError(text, "", str(error)) from None
+    source = f"airsim://{address.host}:{address.port}{':' if address.vehicle else ''}{address.vehicle}"
     client = Client(address.host, address.port)
     try:
         level = _read(client, address.vehicle, source)
@@ -81,7 +85,7 @@ def read_level(source: str, name: str | None) -> Findings:
     found = Findings({"name": name or "airsim"})
     _start(found, level)
     _gates(found, level)
-    return found
+    return source, found
 
 
 def _read(client: Client, vehicle: str, source: str) -> _Level:

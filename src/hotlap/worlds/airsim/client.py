@@ -48,6 +48,10 @@ class Client:
         port: of TCP.
         timeout: [s] of the connection and of every reply.
 
+    Attributes:
+        name: of the simulator, for messages.
+        lost: whether nothing more is to be expected of it.
+
     Raises:
         SimulatorError: nobody listens there, or msgpack is not installed; all methods raise it when the connection is lost.
     """
@@ -57,7 +61,7 @@ class Client:
             import msgpack  # noqa: PLC0415  an extra
         except ModuleNotFoundError:
             raise SimulatorError("msgpack is not installed: pip install 'hotlap[airsim]'") from None
-        self.name, self._timeout = f"AirSim at {host}:{port}", timeout
+        self.name, self.lost, self._timeout = f"AirSim at {host}:{port}", False, timeout
         self._packer = msgpack.Packer()
         self._unpacker = msgpack.Unpacker(raw=False, strict_map_key=False, unicode_errors="replace", max_buffer_size=MOST_BYTES)
         self._faults = (ValueError, TypeError, OverflowError, RecursionError, msgpack.UnpackException)
@@ -109,7 +113,7 @@ class Client:
             CallError: the server refuses it.
         """
         if not self.has_replied(number, self._timeout + patience):
-            raise self.fault(f"{self._asked[number]} was not answered within {self._timeout + patience:.3g} s")
+            raise self._lose(f"{self._asked[number]} was not answered within {self._timeout + patience:.3g} s")
         method, (error, result) = self._asked.pop(number), self._replies.pop(number)
         if error is not None:
             said = error if isinstance(error, str) else repr(error)
@@ -141,7 +145,7 @@ class Client:
         except OSError as error:
             raise self._broken(error) from None
         if not data:
-            raise self.fault("it has closed the connection")
+            raise self._lose("it has closed the connection")
         for message in self._messages(data):
             self._keep(message)
         return True
@@ -162,11 +166,16 @@ class Client:
             raise self._foreign()
         self._replies[message[1]] = message[2], message[3]
 
+    def _lose(self, reason: str) -> SimulatorError:
+        """The error that ends the connection."""
+        self.lost = True
+        return self.fault(reason)
+
     def _foreign(self) -> SimulatorError:
-        return self.fault("what it answers is not msgpack-rpc: is this the port of its API (41451 by default)?")
+        return self._lose("what it answers is not msgpack-rpc: is this the port of its API (41451 by default)?")
 
     def _broken(self, error: OSError) -> SimulatorError:
-        return self.fault(f"the connection broke: {_reason(error)}")
+        return self._lose(f"the connection broke: {_reason(error)}")
 
 
 def _reason(error: Exception) -> str:

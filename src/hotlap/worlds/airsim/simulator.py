@@ -109,10 +109,11 @@ class AirSim:
 
     def close(self) -> None:
         """Let it run on without us; may be called twice."""
-        with suppress(SimulatorError):
-            self._moves.stop()
-            self._client.call("simPause", False)
-            self._client.call("enableApiControl", False, self._vehicle)
+        if not self._client.lost:
+            with suppress(SimulatorError):
+                self._moves.stop()
+                self._client.call("simPause", False)
+                self._client.call("enableApiControl", False, self._vehicle)
         self._client.close()
 
     def _take_control(self) -> None:
