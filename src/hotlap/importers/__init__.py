@@ -45,8 +45,7 @@ def read(path: str | Path, name: str | None = None) -> Imported:
         name: what it is to be called; of a file with several vehicles the one that is read. None: as in the file, or the file's own name.
 
     Raises:
-        InputError: the file is none that can be read, or says what cannot be; with the file, the key and the reason.
-        SimulatorError: no simulator answers.
+        InputError: the file is none that can be read, no simulator answers, or they say what cannot be; with file, key and reason.
     """
     if airsim.is_address(str(path)):
         source, found = airsim.read_level(str(path), name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import closing
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,6 +16,7 @@ from hotlap.importers.turning import angles_of
 from hotlap.worlds.airsim.address import address_of
 from hotlap.worlds.airsim.client import CallError, Client
 from hotlap.worlds.airsim.frames import rotation_of, vector_of
+from hotlap.worlds.simulator import SimulatorError
 
 Floats = NDArray[np.float64]
 NAME = "the gates of a level of AirSim"
@@ -69,19 +71,18 @@ def read_level(text: str, name: str | None) -> tuple[str, Findings]:
         The address as it was understood, and what was found there.
 
     Raises:
-        InputError: it has no gates with numbers, or says what cannot be.
-        SimulatorError: nobody answers there.
+        InputError: nobody answers there, it has no gates with numbers, or says what cannot be.
     """
     try:
         address = address_of(text.removeprefix(PREFIX).strip("/"))
     except ValueError as error:
         raise InputError(text, "", str(error)) from None
     source = f"airsim://{address.host}:{address.port}{':' if address.vehicle else ''}{address.vehicle}"
-    client = Client(address.host, address.port)
     try:
-        level = _read(client, address.vehicle, source)
-    finally:
-        client.close()
+        with closing(Client(address.host, address.port)) as client:
+            level = _read(client, address.vehicle, source)
+    except SimulatorError as error:
+        raise InputError("", "", str(error)) from error
     found = Findings({"name": name or "airsim"})
     _start(found, level)
     _gates(found, level)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
+from hotlap.core.printable import printable
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds.simulator import SimulatorError, Start
@@ -106,7 +107,7 @@ class Flightmare:
         try:
             return getattr(self._drone, name)(*arguments)
         except Exception as error:
-            raise SimulatorError(f"{self._name}: Quadrotor.{name}: {type(error).__name__}: {error}") from error
+            raise SimulatorError(f"{self._name}: Quadrotor.{name}: {_in_words(error)}") from error
 
 
 def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Flightmare:  # noqa: ARG001  instances share the module
@@ -131,7 +132,7 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Fli
     try:
         drone = make()
     except Exception as error:
-        raise SimulatorError(f"{argument}: Quadrotor: {type(error).__name__}: {error}") from error
+        raise SimulatorError(f"{argument}: Quadrotor: {_in_words(error)}") from error
     return Flightmare(argument, drone, scenario.race.vehicle)
 
 
@@ -146,7 +147,7 @@ def _module(name: str) -> ModuleType:
     try:
         return import_module(name)
     except Exception as error:
-        raise InputError("", "on", f"the module {name} cannot be loaded: {type(error).__name__}: {error}") from error
+        raise InputError("", "on", f"the module {name} cannot be loaded: {_in_words(error)}") from error
 
 
 def _fit(scenario: Scenario, box: float, name: str) -> None:
@@ -158,3 +159,8 @@ def _fit(scenario: Scenario, box: float, name: str) -> None:
     furthest = float(np.abs(scenario.reference.position).max())
     if furthest >= box:
         raise InputError("", "on", f"the flight goes {furthest:.0f} m from the origin, and {name} keeps drones within {box:g} m (its BOX)")
+
+
+def _in_words(error: Exception) -> str:
+    """What went wrong in code of the user's, on one line."""
+    return printable(f"{type(error).__name__}: {error}")
