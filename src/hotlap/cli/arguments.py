@@ -179,9 +179,13 @@ COMMANDS: Mapping[str, Command] = {
         "read a file of another program",
         "Write a track or quadrotor from a file of another program as TOML, and say what was assumed and what is not carried over.\n"
         "Reads files of TOGT-Planner, lsy_drone_racing, rpg_time_optimal, agilicious, Fast-fly, the MRS simulator and drone-models,\n"
-        "Gazebo's SDF, and the URDF of gym-pybullet-drones.",
+        "Gazebo's SDF, and the URDF of gym-pybullet-drones; airsim:// asks a simulator that runs for the gates of its level.",
         _import,
-        ("hotlap import race_uzh_7g_multiprisma.yaml", "hotlap import params.toml --name cf21B_500 --out my-drone.toml"),
+        (
+            "hotlap import race_uzh_7g_multiprisma.yaml",
+            "hotlap import params.toml --name cf21B_500 --out my-drone.toml",
+            "hotlap import airsim://127.0.0.1:41451 --out my-track.toml",
+        ),
     ),
     "plan": Command(
         "plan the fastest reference",
