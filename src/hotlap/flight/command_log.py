@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,7 +65,7 @@ class CommandLog:
         self._commands, self._spans = np.roll(self._commands, 1, axis=0), np.roll(self._spans, 1)
         self._commands[0], self._spans[0] = self._history[0], self._period
 
-    def _means(self, begins: Floats, length: float) -> Floats:
+    def _means(self, begins: NDArray[np.floating[Any]], length: float) -> Floats:
         """Mean commands over windows that lie so long [s] before now, shape (n, 4)."""
         ends = np.cumsum(self._spans)
         starts = np.concatenate([[0.0], ends[:-1]])
