@@ -5,6 +5,9 @@ compiled, short flights are flown twice: by the kernel, and in a process whose N
 Controller, plant, noise, judge and the refilling of lanes take part, with dead time, drag, two segments and bounds that are reached;
 neither a file nor a planner does: a drone is to hover at a place that jumps away, behind a framed window, a tunnel and a pole. A horizon
 of few nodes keeps the interpreter's share at about a second; compiling a scalar controller to compare with would take seven.
+
+It says that a kernel is its source, not how well its solver solves. On a plant that is its model `real_time` strays by up to 0.1 m at its
+longest horizons, `line_search` by at most 0.013 m, and by 0.035 m in one corner of the weights (docs/controller.md).
 """
 
 from __future__ import annotations
