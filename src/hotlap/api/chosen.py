@@ -109,7 +109,7 @@ def advise_calmer(
         beside = count(sum(plan.flights for plan in choice.plans), "flight")
         return (f"a calmer plan holds: planning.thrust_share = {chosen.share:g}: {chosen.lap_time:.2f} s (found in {beside} more)",)
     shares = ", ".join(f"{plan.share:g}" for plan in choice.plans)
-    return (f"no calmer plan was found that holds: planning.thrust_share = {shares} tried",)
+    return (f"no calmer plan was found that holds (planning.thrust_share of {shares} tried)",)
 
 
 @dataclass

@@ -12,6 +12,7 @@ import numpy as np
 
 from hotlap import worlds
 from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling
+from hotlap.analysis.remedies import Failures, failures_of, what_to_try
 from hotlap.analysis.robustness import HELD, Robustness, check_robustness
 from hotlap.api.asked import Asked
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -77,6 +78,16 @@ class FlightsResult(Outcome):
         """Whether the parameters hold under every condition that was asked for; None where nobody asked."""
         return all_held(self.robustness)
 
+    @property
+    def failures(self) -> Failures:
+        """Why flights fail, by the conditions under which they do."""
+        return failures_of(self.robustness, self.causes)
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to try where flights fail, each thing once."""
+        return what_to_try(self.failures)
+
     def facts(self) -> dict[str, str]:
         """How many passed every gate, lap times, errors, and where the others ended."""
         scores = self.scores
@@ -131,7 +142,7 @@ class FlightsResult(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap fly --json`."""
         about = {"race": self.scenario.race.name, "world": self.world, "notes": list(self.scenario.notes)}
-        about["causes"] = [cause.dump() for cause in self.causes]
+        about |= {"causes": [cause.dump() for cause in self.causes], "advice": list(self.advice)}
         return {**about, "robustness": [dump_robustness(one) for one in self.robustness], "holds": self.holds, "flights": self.rows()}
 
     def plot(self) -> Figure:

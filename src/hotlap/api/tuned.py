@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
+from hotlap.analysis.remedies import Failures, failures_of, what_to_try
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
 from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, minutes_beside, plan_of
@@ -72,7 +73,7 @@ class TuningResult(Outcome):
         robustness: how the parameters fare under other conditions; empty where that was not flown.
         again: the command line that flies the parameters; "" where the race has no name.
         wall_time: [s] that one waited for it, planning, compiling and the report included.
-        advice: where the goal was not confirmed with a reference that was read: what of it no weights can make up for.
+        further: where the goal was not confirmed, what of a reference no weights can make up for, and whether a calmer plan holds.
         plans: that were tried before one was chosen; empty where the race fixes it.
     """
 
@@ -86,7 +87,7 @@ class TuningResult(Outcome):
     robustness: tuple[Robustness, ...]
     again: str
     wall_time: float
-    advice: tuple[str, ...] = ()
+    further: tuple[str, ...] = ()
     plans: tuple[TriedPlan, ...] = ()
 
     @property
@@ -108,6 +109,16 @@ class TuningResult(Outcome):
     def causes(self) -> tuple[Diagnosis, ...]:
         """Why flights with the best parameters fail, the likeliest cause first; empty where they do not, or nothing was flown again."""
         return self.robustness[0].causes if self.robustness else ()
+
+    @property
+    def failures(self) -> Failures:
+        """Why flights fail, by the conditions under which they do."""
+        return failures_of(self.robustness)
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to try where flights fail, each thing once."""
+        return what_to_try(self.failures, self.further)
 
     @property
     def values(self) -> Parameters:
@@ -197,14 +208,25 @@ def carry_out(asked: Asked) -> TuningResult:
         result = _tune(study, job.world, asked, begun=chosen)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
+        hints = _hints(job, result, configuration, folder, fixed=not (chosen or plans))
+        study.keep_advice(hints)
         robustness, report = _report(study, job.world, asked)
         guess = begun_with(study.configuration, study.flights())
     waited, again = before + time.perf_counter() - begun, _again(asked, folder)
-    scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
-    hints = advice(scenario.race, scenario.reference) if told else ()
-    if not (chosen or plans or result.best.confirmed or result.goal == Quantity.NONE):
-        hints += advise_calmer(job.race, job.world, job.settings, job.configuration, folder, asked, result.wall_time)
-    return TuningResult(scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans)
+    return TuningResult(
+        configuration.scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans
+    )
+
+
+def _hints(job: _Job, result: Result, configuration: Configuration, folder: Path, *, fixed: bool) -> tuple[str, ...]:
+    """What to try where the goal was not confirmed: what a reference asks for, and calmer plans where the race fixes one."""
+    if result.best.confirmed or result.goal == Quantity.NONE:
+        return ()
+    scenario, asked = configuration.scenario, job.asked
+    if asked.reference is not None:
+        return advice(scenario.race, scenario.reference)
+    calmer = (job.race, job.world, job.settings, job.configuration, folder, asked, result.wall_time)
+    return advise_calmer(*calmer) if fixed else ()
 
 
 def _go_on(job: _Job, folder: Path) -> tuple[Configuration, tuple[TriedPlan, ...]]:

@@ -12,7 +12,7 @@ from hotlap.api.checking import check
 from hotlap.api.tuned import TuningResult
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds, share
-from hotlap.cli.held import show_robustness
+from hotlap.cli.held import show_advice, show_robustness
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
@@ -73,10 +73,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     if tuned.robustness:
         yield "will it hold?"
         yield from show_robustness(tuned.robustness)
+    yield from show_advice(tuned.failures, tuned.advice)
     yield f"fly it again: {tuned.again}"
     if not tuned.confirmed and not no_goal:
-        yield from tuned.advice
-        if tuned.causes:
-            yield "why flights fail, and what to try:"
-            yield from (f"  {cause.words}" for cause in tuned.causes)
         yield f"what may be in the way: {further}"

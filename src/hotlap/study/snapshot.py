@@ -30,6 +30,7 @@ class Snapshot:
         openings: when it was worked on, with the versions of what worked.
         command: that began it.
         hold: conditions that its result is to hold under, as they were asked for.
+        advice: what to try where its result is not confirmed, beside what flights say.
         plans: that were tried before one was chosen; empty where the race fixes it.
     """
 
@@ -41,6 +42,7 @@ class Snapshot:
     openings: tuple[tuple[str, Mapping[str, str]], ...]
     command: str
     hold: str = ""
+    advice: tuple[str, ...] = ()
     plans: tuple[TriedPlan, ...] = ()
 
     @property
@@ -69,6 +71,7 @@ def read_snapshot(study: Study) -> Snapshot:
             openings=tuple(study.openings),
             command=study.command or _rebuild(configuration, study.hold),
             hold=study.hold,
+            advice=tuple(study.advice),
             plans=tuple(study.plans),
         )
 

@@ -169,6 +169,16 @@ class Study:
         return self._entry("hold") or ""
 
     @property
+    def advice(self) -> list[str]:
+        """What to try where its result is not confirmed, beside what flights say; empty where nothing was found out."""
+        return json.loads(self._entry("advice") or "[]")
+
+    def keep_advice(self, advice: Sequence[str]) -> None:
+        """Keep what to try, in place of that of before."""
+        if list(advice) != self.advice:
+            self._enter("advice", json.dumps(list(advice)))
+
+    @property
     def plans(self) -> list[TriedPlan]:
         """The plans that were tried before this one was chosen, this one among them, in the order tried; empty where the race fixes it."""
         return [TriedPlan.load(plain) for plain in json.loads(self._entry("plans") or "[]")]
