@@ -20,6 +20,7 @@ from hotlap.analysis.robustness import HELD, fly_conditions
 from hotlap.api.asked import Asked
 from hotlap.api.flown import FlightsResult
 from hotlap.api.scenarios import make_ready
+from hotlap.api.slow_flights import followed
 from hotlap.api.wording import percent
 from hotlap.core.counts import count
 from hotlap.core.errors import PlanningError
@@ -219,7 +220,10 @@ class PlanChoice:
                 if before is not None and _is_hopeless(before.flights, before.best):
                     raise _Hopeless
                 flown, spent = (before.flights, before.wall_time) if before else (0, 0.0)
-                with self.asked.progress.flights(settings.budget, flown, 60 * settings.minutes, spent) as watch:
+                with (
+                    self.asked.progress.flights(settings.budget, flown, 60 * settings.minutes, spent) as watch,
+                    followed(self.world, watch),
+                ):
                     study.run(objective, _patient(watch), self.clock)
             finally:
                 self._time.take(study.wall_time)
