@@ -1,7 +1,7 @@
 """The plant flies open loop as other simulators do, by figures that were recorded in them; `simulators.json` says in which versions.
 
-In single precision they were recorded to five digits. A tolerance above 1e-3 says what another integrator does. All of them began at a height
-of 100 m, where AirLib's air is that of 222 m above the sea.
+In single precision they were recorded to five digits. A tolerance above 1e-3 says what another integrator does. All of them began at a
+height of 100 m, where AirLib's air is that of 222 m above the sea.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ def in_air_of(height: float, **changes: Any) -> Quadrotor:
 def fly_in_airlib(commands: Any, state: Any = REST, throttle: float = HOVER) -> np.ndarray:
     """States in AirLib's steps, shape (steps + 1, 13).
 
-    Its velocities take the mean of the accelerations of two steps, and its rate loop sees them: the mean of our states of two steps, and half
-    a step more of dead time within the loop.
+    Its velocities take the mean of the accelerations of two steps, and its rate loop sees them: the mean of our states of two steps, and
+    half a step more of dead time within the loop.
 
     Args:
         commands: shape (steps, 4), throttle and body rates.

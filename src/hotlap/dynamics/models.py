@@ -8,12 +8,13 @@ Vectors are CasADi columns; conventions are those of `quadrotor.py`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import casadi as ca
 
-from hotlap.dynamics.parameter_layout import AIRFRAME, AUTOPILOT, DISTURBANCE, MODEL, PLANNING_PARAMETERS, VEHICLE
+from hotlap.dynamics.parameter_layout import AUTOPILOT, DISTURBANCE, MODEL, VEHICLE, airframe_layout, planning_parameters
 
 Expression = Any  # casadi.SX; CasADi ships no types
 
@@ -58,29 +59,30 @@ def point_mass() -> ca.Function:
     return ca.Function("point_mass", [state, thrust, parameters], [ca.vertcat(velocity, acceleration)])
 
 
-def planning_model() -> ca.Function:
+def planning_model(rotors: int = 4) -> ca.Function:
     """(state p v q w, rotor thrusts, parameters) -> state': rigid body with linear drag, as in rpg_time_optimal."""
-    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", 4), ca.SX.sym("c", PLANNING_PARAMETERS)
+    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", rotors), ca.SX.sym("c", planning_parameters(rotors))
     velocity, attitude, rates = state[3:6], state[6:10], state[10:]
     mass, gravity, drag, inertia = parameters[0], parameters[1], parameters[2], parameters[3:6]
-    torques = ca.reshape(parameters[6:], 4, 3).T @ thrusts
+    torques = ca.reshape(parameters[6:], rotors, 3).T @ thrusts
     acceleration = thrust_axis(attitude) * (ca.sum1(thrusts) / mass) - ca.vertcat(0, 0, gravity) - drag * velocity
     derivative = ca.vertcat(velocity, acceleration, quaternion_rate(attitude, rates), angular_acceleration(rates, torques, inertia))
     return ca.Function("planning_model", [state, thrusts, parameters], [derivative])
 
 
-def point_mass_in_air() -> ca.Function:
-    """(state p v, thrust vector per mass, `AIRFRAME`) -> state': with the drags of a vehicle whose body z is the direction of its thrust.
+def point_mass_in_air(rotors: int = 4) -> ca.Function:
+    """(state p v, thrust vector per mass, `airframe_layout`) -> state': with the drags of a vehicle whose body z is along its thrust.
 
     In the plane of the rotors, where a point mass has no heading, drag is the mean of both axes.
     """
-    state, thrust, parameters = ca.SX.sym("x", 6), ca.SX.sym("u", 3), ca.SX.sym("c", sum(AIRFRAME.values()))
-    vehicle, velocity = split(parameters, AIRFRAME), state[3:]
+    state, thrust, parameters = ca.SX.sym("x", 6), ca.SX.sym("u", 3), ca.SX.sym("c", sum(airframe_layout(rotors).values()))
+    vehicle, velocity = split(parameters, airframe_layout(rotors)), state[3:]
     size = ca.sqrt(ca.dot(thrust, thrust) + LEAST_PUSH**2)
     axis = thrust / size
     along = ca.dot(velocity, axis)
     across = velocity - along * axis
-    level = (vehicle["drag"][0] + vehicle["drag"][1]) / 2 + 2 * ca.sqrt(vehicle["mass"] * size) * vehicle["rotor_drag"] / vehicle["mass"]
+    roots = math.sqrt(rotors) * ca.sqrt(vehicle["mass"] * size)  # of the rotor thrusts, summed
+    level = (vehicle["drag"][0] + vehicle["drag"][1]) / 2 + roots * vehicle["rotor_drag"] / vehicle["mass"]
     broad = (vehicle["body_drag"][0] + vehicle["body_drag"][1]) / 2 * ca.sqrt(ca.dot(across, across) + LEAST_SPEED**2)
     face = vehicle["body_drag"][2] * ca.sqrt(along**2 + LEAST_SPEED**2)
     drag = (level + broad / vehicle["mass"]) * across + (vehicle["drag"][2] + face / vehicle["mass"]) * along * axis
@@ -93,16 +95,16 @@ LEAST_SPEED = 0.1  # m/s, so that a speed can be differentiated at rest
 LEAST_ROTOR = 1e-3  # share of the weight that a rotor carries in hover, so that the square root of its thrust can be differentiated
 
 
-def airframe() -> ca.Function:
-    """(state p v q w, rotor thrusts, `AIRFRAME`) -> state': rigid body with all drags of the vehicle, as the plant flies it."""
-    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", 4), ca.SX.sym("c", sum(AIRFRAME.values()))
-    vehicle = split(parameters, AIRFRAME)
+def airframe(rotors: int = 4) -> ca.Function:
+    """(state p v q w, rotor thrusts, `airframe_layout`) -> state': rigid body with all drags of the vehicle, as the plant flies it."""
+    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", rotors), ca.SX.sym("c", sum(airframe_layout(rotors).values()))
+    vehicle = split(parameters, airframe_layout(rotors))
     velocity, attitude, rates = state[3:6], state[6:10], state[10:]
-    rotation, least = rotation_matrix(attitude), LEAST_ROTOR * vehicle["mass"] * vehicle["gravity"] / 4
+    rotation, least = rotation_matrix(attitude), LEAST_ROTOR * vehicle["mass"] * vehicle["gravity"] / rotors
     speeds = ca.sum1(ca.sqrt(ca.sqrt(thrusts**2 + least**2)))
     drag = rotation @ drag_of(rotation.T @ velocity, speeds, vehicle)
     acceleration = thrust_axis(attitude) * (ca.sum1(thrusts) / vehicle["mass"]) - vehicle["gravity"] * E3 - drag
-    turn = angular_acceleration(rates, ca.reshape(vehicle["torques"], 4, 3).T @ thrusts, vehicle["inertia"])
+    turn = angular_acceleration(rates, ca.reshape(vehicle["torques"], rotors, 3).T @ thrusts, vehicle["inertia"])
     derivative = ca.vertcat(velocity, acceleration, quaternion_rate(attitude, rates), turn)
     return ca.Function("airframe", [state, thrusts, parameters], [derivative])
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-PLANNING_PARAMETERS = 18  # mass, gravity, isotropic drag, inertia (3), torque matrix (3 x 4, row by row)
 TANGENT, TANGENT_COLUMNS = 9, 13  # deviations p, theta, v of a state; with those of an input
 NODE_JACOBIAN = 39  # numbers that linearise a node of the controller's horizon
 
@@ -25,7 +24,7 @@ VEHICLE: Mapping[str, int] = {
 and down."""
 
 AIRFRAME: Mapping[str, int] = {"mass": 1, "gravity": 1, "inertia": 3, "torques": 12, "drag": 3, "rotor_drag": 1, "body_drag": 3}
-"""Parameters of the vehicle that a plan with all of its drags uses: those of `Quadrotor`; torque matrix row by row."""
+"""Parameters of the vehicle that a plan with all of its drags uses, for four rotors: those of `Quadrotor`; torque matrix row by row."""
 
 AUTOPILOT: Mapping[str, int] = {"mass": 1, "inertia": 3, "mixer": 16}
 """The vehicle as the rate loop knows it; the mixer, row by row, turns (collective thrust, torques) into rotor thrusts."""
@@ -35,6 +34,16 @@ MODEL: Mapping[str, int] = {"gravity": 1, "mass": 1, "drag": 3, "rotor_drag": 1,
 
 DISTURBANCE: Mapping[str, int] = {"thrust_factor": 1, "wind": 3}
 """What differs from flight to flight: a factor of the thrust, and an acceleration [m/s^2] (world)."""
+
+
+def planning_parameters(rotors: int) -> int:
+    """How many parameters `planning_model` takes: mass, gravity, isotropic drag, inertia (3), torque matrix (3 x rotors, row by row)."""
+    return 6 + 3 * rotors
+
+
+def airframe_layout(rotors: int) -> Mapping[str, int]:
+    """`AIRFRAME` for so many rotors."""
+    return {name: 3 * rotors if name == "torques" else size for name, size in AIRFRAME.items()}
 
 
 def detailed_vehicle(rotors: int) -> Mapping[str, int]:

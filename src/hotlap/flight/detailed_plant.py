@@ -129,7 +129,6 @@ def allocate_detailed_state(
         step: [s] of the plant.
     """
     whole = math.floor(rate_delay / step + 1e-9)
-    remembered = sum(LOOP_STATE.values()) if kind.pid else 0
     size = 13 + kind.rotors + (sum(LOOP_STATE.values()) if kind.pid else 0)
     vehicle, autopilot = (sum(layout(kind.rotors).values()) for layout in (detailed_vehicle, detailed_autopilot))
     of_plain = [(count,) for count in (size, size, 3, 4, 4, 4, 1, vehicle, autopilot, DISTURBANCE_SIZE, 1)]

@@ -64,7 +64,7 @@ def observer_numbers(race: Race, elapsed: float | None = None) -> Floats:
     fastest, acceleration, thrust = (
         math.exp(-bandwidth * h) for bandwidth in (max(settings.thrust, settings.acceleration), settings.acceleration, settings.thrust)
     )
-    least, most = (4 * thrust / model.mass for thrust in model.rotor_thrust)
+    least, most = (model.rotor_count * thrust / model.mass for thrust in model.rotor_thrust)
     up, down = (1 - math.exp(-h / time) if time > 0 else 1.0 for time in model.motor_time)
     return np.array([h, model.gravity, least, most, 1 - fastest**2, (1 - acceleration) ** 2 / h, (1 - thrust) ** 2 / h, up, down])
 

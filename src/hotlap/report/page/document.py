@@ -14,7 +14,6 @@ from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.feasibility.race import mistaken
 from hotlap.files.descriptions import PARAMETERS_FILE, to_toml
 from hotlap.race.race import GateRule
-from hotlap.race.rotors import rotor_positions
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
 from hotlap.report.history import collect, succeeded
@@ -205,7 +204,7 @@ def dump_scenario(scenario: Scenario) -> dict[str, Any]:
         "segment_names": [f"{i + 1} {kind}" for i, kind in enumerate(segments.segment_classes)],
         "reference": _reference(scenario),
         "limits": {"thrust": list(scenario.thrust_limits), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
-        "rotors": rotor_positions(vehicle.layout, vehicle.arm).tolist(),
+        "rotors": vehicle.rotor_positions.tolist(),
     }
 
 
