@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,6 +34,11 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Rot
     if argument:
         raise SimulatorError(f"rotorpy takes no argument, not '{argument}'")
     return RotorPy(scenario.race.vehicle, scenario.race.control_model)
+
+
+def installed() -> bool:
+    """Whether RotorPy is there."""
+    return find_spec("rotorpy") is not None
 
 
 class RotorPy:
