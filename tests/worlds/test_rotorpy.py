@@ -153,6 +153,17 @@ def test_a_real_race_is_finished_with_weights_of_the_built_in_world():
 
 
 @needed
+@pytest.mark.check
+def test_instances_in_processes_of_their_own_fly_the_same_flights():
+    scenario = make_scenario(noise={"position": 0.05})
+    alone = Stepped("rotorpy", rotorpy.open_simulator).fly(scenario, parameters(3), np.arange(3))
+    crew = Stepped("rotorpy", rotorpy.open_simulator, instances=2)
+    together = crew.fly(scenario, parameters(3), np.arange(3))
+    crew.close()
+    np.testing.assert_array_equal(alone.clock_distance, together.clock_distance)
+
+
+@needed
 def test_an_argument_is_refused():
     with pytest.raises(SimulatorError, match="rotorpy takes no argument, not 'x'"):
         rotorpy.open_simulator(make_scenario(), 0, "x")

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from hotlap.race.quadrotor import Quadrotor, RotorLayout, rotor_positions
 from hotlap.reference.scenario import Scenario
-from hotlap.worlds.simulator import SimulatorError, Start
+from hotlap.worlds.separate import Separate
+from hotlap.worlds.simulator import Simulator, SimulatorError, Start
 
 if TYPE_CHECKING:
     from rotorpy.vehicles.multirotor import Multirotor
@@ -24,16 +25,16 @@ THRUST_CURVE = 1e-6  # N/(rad/s)^2: any will do, as only thrusts are given
 LEAST_MOTOR_TIME = 1e-3  # s, so that its integrator need not be stiff
 
 
-def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> RotorPy:
-    """A RotorPy of its own for each instance.
+def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Simulator:
+    """A RotorPy for each instance: the first one in this process, each other one in a process of its own.
 
     Raises:
         SimulatorError: RotorPy is not installed, or an argument was given.
     """
-    del instance
     if argument:
         raise SimulatorError(f"rotorpy takes no argument, not '{argument}'")
-    return RotorPy(scenario.race.vehicle, scenario.race.control_model)
+    described = scenario.race.vehicle, scenario.race.control_model
+    return Separate(RotorPy, *described) if instance else RotorPy(*described)
 
 
 def installed() -> bool:
