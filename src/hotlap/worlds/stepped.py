@@ -89,13 +89,16 @@ class Stepped:
                 fly_queue(batch, instance, queue, lambda line: self.note(f"{self.name}: {line}"))
             except BaseException:
                 queue.stop()
-                instance.close()
                 raise
 
-        if len(crew) == 1:
-            fly_one(crew[0])
-        else:
-            _fly_side_by_side(fly_one, crew, queue.stop)
+        try:
+            if len(crew) == 1:
+                fly_one(crew[0])
+            else:
+                _fly_side_by_side(fly_one, crew, queue.stop)
+        except BaseException:
+            self.close()
+            raise
         return batch.record()
 
     def close(self) -> None:
