@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import redirect_stdout
+from importlib.util import find_spec
 from io import StringIO
 from typing import Any
 
@@ -37,6 +38,11 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Cra
     """
     del instance
     return Crazyflow(scenario.race.vehicle, scenario.race.control_model, drone=argument)
+
+
+def installed() -> bool:
+    """Whether crazyflow is there."""
+    return find_spec("crazyflow") is not None
 
 
 class Crazyflow:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,7 +11,8 @@ from numpy.typing import NDArray
 
 from hotlap.race.quadrotor import Quadrotor, RotorLayout, rotor_positions
 from hotlap.reference.scenario import Scenario
-from hotlap.worlds.simulator import SimulatorError, Start
+from hotlap.worlds.separate import Separate
+from hotlap.worlds.simulator import Simulator, SimulatorError, Start
 
 if TYPE_CHECKING:
     from rotorpy.vehicles.multirotor import Multirotor
@@ -20,19 +23,23 @@ MISSING = "rotorpy is not installed: pip install 'hotlap[rotorpy]'"
 STEP = 0.0025  # s: its rate loop runs once a step
 THRUST_CURVE = 1e-6  # N/(rad/s)^2: any will do, as only thrusts are given
 LEAST_MOTOR_TIME = 1e-3  # s, so that its integrator need not be stiff
-INTEGRATOR = {"method": "RK23", "first_step": STEP}  # within 1e-4 of its default in a second of hard turns, in half of the time
 
 
-def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> RotorPy:
-    """A RotorPy of its own for each instance.
+def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Simulator:
+    """A RotorPy for each instance: the first one in this process, each other one in a process of its own.
 
     Raises:
         SimulatorError: RotorPy is not installed, or an argument was given.
     """
-    del instance
     if argument:
         raise SimulatorError(f"rotorpy takes no argument, not '{argument}'")
-    return RotorPy(scenario.race.vehicle, scenario.race.control_model)
+    described = scenario.race.vehicle, scenario.race.control_model
+    return Separate(RotorPy, *described) if instance else RotorPy(*described)
+
+
+def installed() -> bool:
+    """Whether RotorPy is there."""
+    return find_spec("rotorpy") is not None
 
 
 class RotorPy:
@@ -145,6 +152,18 @@ def multirotor(vehicle: Quadrotor, autopilot: Quadrotor) -> Multirotor:
             self.tau_m = np.where(asked > state["rotor_speeds"], up, down)
             return asked
 
+        def step(self, state: dict[str, Floats], control: dict[str, Any], t_step: float) -> dict[str, Floats]:
+            """The state after a step by Kutta's rule of third order: as with RotorPy's own integrator to 1e-4, in a third of the time."""
+            asked = np.clip(self.get_cmd_motor_speeds(state, control), self.rotor_speed_min, self.rotor_speed_max)
+            s = self._pack_state(state)
+            first = self._s_dot_fn(0.0, s, asked)
+            second = self._s_dot_fn(0.0, s + t_step / 2 * first, asked)
+            third = self._s_dot_fn(0.0, s + t_step * (2 * second - first), asked)
+            after = self._unpack_state(s + t_step / 6 * (first + 4 * second + third))
+            after["q"] /= math.sqrt(after["q"] @ after["q"])
+            after["rotor_speeds"].clip(self.rotor_speed_min, self.rotor_speed_max, out=after["rotor_speeds"])
+            return after
+
         def compute_body_wrench(self, body_rates: Floats, rotor_speeds: Floats, body_airspeed_vector: Floats) -> tuple[Floats, Floats]:
             """Force and torque (body)."""
             force, torque = super().compute_body_wrench(body_rates, rotor_speeds, body_airspeed_vector)
@@ -152,7 +171,7 @@ def multirotor(vehicle: Quadrotor, autopilot: Quadrotor) -> Multirotor:
             force[2] += (self.thrust_factor - 1) * self.k_eta * (rotor_speeds @ rotor_speeds)
             return force, torque
 
-    made = Ours(parameters_of(vehicle), control_abstraction="cmd_ctbr", aero=True, integrator_kwargs=INTEGRATOR)
+    made = Ours(parameters_of(vehicle), control_abstraction="cmd_ctbr", aero=True)
     made.g, made.weight = vehicle.gravity, np.array([0.0, 0.0, -vehicle.mass * vehicle.gravity])
     made.k_w = np.array(vehicle.rate_gain) * autopilot.inertia_vector / vehicle.inertia_vector
     made.TM_to_f = np.linalg.inv(np.vstack([np.ones(4), autopilot.torque_matrix]))
