@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,6 +104,14 @@ class Betaflight:
     def rotor_thrusts(self) -> Floats:
         """Shape (1, 4) [N]."""
         return self._plant.state[None, 13:] ** 2
+
+    @property
+    def computing_time(self) -> float:
+        """[s] of a processor that the firmware has taken since the drone was placed."""
+        if self._flying is None:
+            return 0.0
+        times = Path(f"/proc/{self._flying.answer.process}/stat").read_text(encoding="ascii").rpartition(")")[2].split()[11:13]
+        return sum(map(int, times)) / os.sysconf("SC_CLK_TCK")
 
     def close(self) -> None:
         """End the firmware."""
