@@ -29,8 +29,9 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Bet
     del instance
     race = scenario.race
     own = read_lines(argument) if argument else ()
-    floor = -math.inf if race.track.floor is None else race.track.floor
-    return Betaflight(race.vehicle, own, most_rate=max(race.controller.rates) + NOISE, floor=floor)
+    track = race.track
+    lowest = [-math.inf if track.floor is None else track.floor, -math.inf if track.box is None else track.box.low[2]]
+    return Betaflight(race.vehicle, own, most_rate=max(race.controller.rates) + NOISE, floor=max(lowest))
 
 
 __all__ = ["Betaflight", "open_simulator"]
