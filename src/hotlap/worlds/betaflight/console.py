@@ -23,6 +23,7 @@ from hotlap.worlds.betaflight.settings import DEVICES, Line
 from hotlap.worlds.simulator import SimulatorError
 
 PROMPT = b"\r\n# "
+DIGEST = 32  # bytes of a checksum before what is kept
 KNOCK = 0.2  # s between two attempts to be let in
 MOST_NAMED = 8  # lines, of those that are refused
 ERROR_IN = re.compile(r"^ERROR IN \w+: ")
@@ -57,13 +58,15 @@ def configured(lines: Sequence[Line], patience: float = PATIENCE) -> bytes:
     mark = hashlib.sha256(f"{_fingerprint(built.firmware())}\n{texts}".encode()).hexdigest()[:24]
     kept = built.private_folder() / f"{mark}.eeprom"
     with suppress(OSError):
-        return kept.read_bytes()
+        content = kept.read_bytes()
+        if content[:DIGEST] == hashlib.sha256(content[DIGEST:]).digest():
+            return content[DIGEST:]
     eeprom, refusals = configure(lines, patience)
     _complain(refusals)
     with suppress(OSError):
         number, part = tempfile.mkstemp(dir=kept.parent, suffix=".part")
         with os.fdopen(number, "wb") as file:
-            file.write(eeprom)
+            file.write(hashlib.sha256(eeprom).digest() + eeprom)
         Path(part).replace(kept)
     return eeprom
 

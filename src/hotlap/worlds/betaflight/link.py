@@ -236,6 +236,7 @@ def launch(
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
+            process_group=0,  # who interrupts hotlap lets it end its flights
         )
     except OSError as error:
         ours.close()
