@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flight.scenarios import make_scenario, parameters
+from hotlap import worlds
 from hotlap.core.errors import InputError
 from hotlap.files.descriptions import load_quadrotor
 from hotlap.worlds.betaflight import built, console
@@ -278,6 +280,43 @@ def test_what_comes_back_in_time_must_be_of_that_time():
             link.run(BOOT, resting(armed=False), *still)
     finally:
         link.close()
+
+
+def test_a_race_is_flown_alike_by_one_and_by_two_of_them():
+    """Dead time, noise and all."""
+    scenario = make_scenario(vehicle={"delay": 0.02}, noise={"position": 0.05, "rates": 0.1, "thrust": 0.02, "thrust_bias": 0.02})
+    flown = []
+    for instances in (1, 2):
+        world = worlds.build("betaflight", instances)
+        flown.append(world.fly(scenario, parameters(3), np.array([4, 5, 6]), log=[2]))
+        world.close()
+    assert (flown[0].gates_passed > 2).all()
+    assert len(set(flown[0].mean_error.tolist())) == 3
+    np.testing.assert_array_equal(flown[0].clock_distance, flown[1].clock_distance)
+    np.testing.assert_array_equal(flown[0].logs[2].states, flown[1].logs[2].states)
+
+
+def test_a_flight_whose_firmware_ends_is_lost_and_the_next_one_flies(monkeypatch):
+    scenario, begun = make_scenario(noise={"position": 0.05}), []
+    reset = Betaflight.reset
+
+    def reset_and_kill(self, lane, start):
+        reset(self, lane, start)
+        begun.append(self)
+        if len(begun) == 2:
+            process = self._flying.answer.process
+            threading.Timer(0.1, lambda: os.kill(process, signal.SIGKILL)).start()
+            time.sleep(0.2)
+
+    monkeypatch.setattr(Betaflight, "reset", reset_and_kill)
+    world, notes = worlds.build("betaflight"), []
+    world.note = notes.append
+    flights = world.fly(scenario, parameters(3), np.array([4, 5, 6]))
+    world.close()
+    assert len(notes) == 1
+    assert notes[0].startswith("betaflight: Betaflight has ended")
+    assert (flights.gates_passed > 2).sum() >= 2
+    assert begun[0] is not begun[-1]
 
 
 def test_the_fitted_rate_loop_is_nearer_to_it_than_the_files(airborne):
