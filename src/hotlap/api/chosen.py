@@ -19,6 +19,7 @@ from hotlap.analysis.robustness import HELD, fly_conditions
 from hotlap.api.asked import Asked
 from hotlap.api.flown import FlightsResult
 from hotlap.api.scenarios import make_ready
+from hotlap.api.slow_flights import followed
 from hotlap.api.wording import percent
 from hotlap.core.counts import count
 from hotlap.core.errors import PlanningError
@@ -165,7 +166,10 @@ class PlanChoice:
             before = study.result
             if before is not None and _is_hopeless(before.flights, before.best):
                 raise _Hopeless
-            with self.asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
+            with (
+                self.asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch,
+                followed(self.world, watch),
+            ):
                 study.run(objective, _patient(watch))
         with Study.read(self.folder / PLANS / _name(share)) as study:
             return self._judge(share, study)

@@ -18,6 +18,7 @@ from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import SHARE, check_guess, load, make_ready, make_scenario, planned_as
+from hotlap.api.slow_flights import followed
 from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
@@ -304,7 +305,7 @@ def _tune(study: Study, world: World, asked: Asked, *, begun: bool) -> Result:
             asked.progress.note(f"note: {doom}")
     objective = Objective(configuration.scenario, world, configuration.metric, configuration.settings.randomise)
     budget, flown, seconds = configuration.settings.budget, before.flights if before else 0, 60 * configuration.settings.minutes
-    with asked.progress.flights(budget, flown, seconds, before.wall_time if before else 0.0) as watch:
+    with asked.progress.flights(budget, flown, seconds, before.wall_time if before else 0.0) as watch, followed(world, watch):
         result = study.run(objective, watch)
     if told := describe_beginning(configuration, study.flights()) if begun or before is None else "":
         asked.progress.note(f"note: {told}")
