@@ -20,7 +20,6 @@ from hotlap.worlds.simulator import SimulatorError
 
 Floats = NDArray[np.float64]
 NAME = "the gates of a level of AirSim"
-PREFIX = "airsim:"
 GATES, NUMBER = "Gate.*", re.compile(r"Gate\D*?(\d+)")
 OPENING, OUTER = 1.6, 3.2 / 1.5  # m: the square opening of Drone Racing Lab's gate at scale 1, and the outside of its frame
 TRIES = 10  # Drone Racing Lab says NaN now and then
@@ -55,11 +54,6 @@ class _Level:
     others: list[str] = field(default_factory=list)
 
 
-def is_address(source: str) -> bool:
-    """Whether a level is meant, `airsim://host:port`, and no file."""
-    return source.startswith(PREFIX)
-
-
 def read_level(text: str, name: str | None) -> tuple[str, Findings]:
     """The track of a level that runs.
 
@@ -74,7 +68,7 @@ def read_level(text: str, name: str | None) -> tuple[str, Findings]:
         InputError: nobody answers there, it has no gates with numbers, or says what cannot be.
     """
     try:
-        address = address_of(text.removeprefix(PREFIX).strip("/"))
+        address = address_of(text.partition(":")[2].strip("/"))
     except ValueError as error:
         raise InputError(text, "", str(error)) from None
     source = f"airsim://{address.host}:{address.port}{':' if address.vehicle else ''}{address.vehicle}"
