@@ -58,6 +58,7 @@ class AirSim:
         self._tells_rotors = self._sets_kinematics = True
         client.call("ping")
         self._take_control()
+        client.call("cancelLastTask", vehicle)  # of a connection before, that was lost
 
     def reset(self, lane: int, start: Start) -> None:  # noqa: ARG002  there is one lane
         """Place the drone, its rotors as in hover.
