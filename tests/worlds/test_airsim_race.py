@@ -13,6 +13,7 @@ from hotlap.planning.preparation import prepare
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds.airsim import open_simulator
 from hotlap.worlds.built_in import BuiltIn
+from hotlap.worlds.instance import Instance
 from hotlap.worlds.stepped import Stepped
 from worlds.airsim_plant import Plant
 from worlds.airsim_server import Server
@@ -101,3 +102,12 @@ def test_a_silent_simulator_does_not_hold_up_a_study_for_ever():
         server.silent_at = "simContinueForTime"
         with pytest.raises(InputError, match="simContinueForTime was not answered within"):
             away.fly(scenario_of(), parameters(1), np.arange(1))
+
+
+@pytest.mark.parametrize(("delay", "added"), [(0.0, 0.0), (0.0075, 0.0), (0.0125, 0.005), (0.045, 0.0375)])
+def test_the_dead_time_that_airsim_has_of_its_own_is_not_counted_twice(delay, added):
+    scenario = make_scenario({"delay": delay})
+    with served() as server:
+        instance = Instance("airsim", lambda *_: open_simulator(scenario, 0, f"127.0.0.1:{server.port}"), 0)
+        assert instance.simulator(scenario)[1].delay == pytest.approx(added)
+        instance.close()
