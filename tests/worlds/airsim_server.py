@@ -52,7 +52,8 @@ class Server:
         vehicle: its name, besides "".
         spawn: where it was set up in the level [m] (north, east, down).
         scene: objects by name: position and orientation (x, y, z; w, x, y, z; north, east, down) and scale.
-        racing_lab: whether it is Drone Racing Lab: another pose call, no kinematics to be set, no rotors.
+        racing_lab: whether it is Drone Racing Lab: poses with noise or without, no kinematics to be set, no rotors.
+        cosys: whether it is Cosys-AirSim: poses in its frame or in the Unreal Engine's.
         loses_cancel: numbers of the moves that do not notice that they were replaced.
         cancels_successor: whether `cancelLastTask` hits the next move, too.
         cut_at: number of the move with which the connection ends.
@@ -72,6 +73,7 @@ class Server:
     vehicle: str = "Drone1"
     scene: dict[str, tuple[list[float], list[float], list[float]]] = field(default_factory=dict)
     racing_lab: bool = False
+    cosys: bool = False
     loses_cancel: tuple[int, ...] = ()
     cancels_successor: bool = False
     cut_at: int = -1
@@ -209,15 +211,19 @@ class Server:
             "simSetVehiclePose": ((dict, bool, str), lambda pose, *_: self._place(pose)),
             "simListSceneObjects": ((str,), lambda _: list(self.scene)),
             "simGetObjectScale": ((str,), lambda name: _vector(self.scene[name][2])),
-            "simGetObjectPose": ((str, bool) if self.racing_lab else (str,), lambda name, *_: self._object(name)),
+            "simGetObjectPose": ((str, bool) if self.racing_lab or self.cosys else (str,), self._object),
         }
-        if not self.racing_lab:
+        if self.racing_lab:
+            every["simGetLastGatePassed"] = ((str,), lambda _: 65535)
+        else:
             every["simSetKinematics"] = ((dict, bool, str), lambda kinematics, *_: self._place(kinematics))
             every["getRotorStates"] = ((str,), lambda _: {"rotors": self._rotors(), "timestamp": self.stamp})
         return every
 
-    def _object(self, name: str) -> dict[str, Any]:
+    def _object(self, name: str, way: bool | None = None) -> dict[str, Any]:
         """Where something of the level is; NaN where there is no such thing."""
+        if way is not None and way is not self.cosys:
+            return _pose([1e3, 1e3, 1e3], [1, 0, 0, 0])  # with noise, or of the Unreal Engine
         if name == self.vehicle:
             return _pose(self.plant.state[:3] * [1, -1, -1] + self.spawn, [1, 0, 0, 0])
         nowhere = [np.nan] * 3, [np.nan] * 4
