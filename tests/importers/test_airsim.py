@@ -73,9 +73,11 @@ def test_coordinates_are_those_that_the_vehicle_flies_in():
     assert "coordinates are the vehicle's, which begin at (1.00, -2.00, 0.50) m of the level" in imported.taken
 
 
-def test_in_airsim_itself_gates_are_passed_along_the_axis_that_fits_the_course_and_have_no_size():
+@pytest.mark.parametrize("cosys", [False, True])
+def test_in_airsim_itself_gates_are_passed_along_the_axis_that_fits_the_course_and_have_no_size(cosys):
     scene = {name: ([*place], [HALF, 0.0, 0.0, HALF], scale) for name, (place, _, scale) in SCENE.items()}  # x axis to the right
-    imported = level(scene=scene, racing_lab=False)
+    imported = level(scene=scene, racing_lab=False, cosys=cosys)
+    np.testing.assert_allclose([gate.position for gate in imported.description.gates], [[3, 0, 2], [8, 0, 3], [20, -5, 2]])
     np.testing.assert_allclose([gate.rotation[0, 0] for gate in imported.description.gates], 1.0, atol=1e-9)
     assert "its y axis, which fits the course better" in " ".join(imported.taken)
     assert imported.lost[0].startswith("opening: AirSim does not say how large a gate is")

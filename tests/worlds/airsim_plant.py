@@ -23,17 +23,18 @@ class Plant:
     """One drone.
 
     Args:
-        quadrotor: that flies; of its dead time, whole steps.
+        quadrotor: that flies.
         delayed: whether commands wait for its dead time.
     """
 
     def __init__(self, quadrotor: Quadrotor, *, delayed: bool) -> None:
-        self.quadrotor, self._wait = quadrotor, round(quadrotor.delay / STEP) if delayed else 0
+        self.quadrotor, self._wait = quadrotor, round(quadrotor.delay * PARTS / STEP) if delayed else 0
         self._drone = allocate_vehicle_state(1, np.float64)
         self._drone.vehicle[:, 0] = vehicle_numbers(vehicle_parameters_of(quadrotor)[None], quadrotor.layout)[0]
         times = np.maximum(quadrotor.motor_time, 1e-9)
         self._drone.vehicle[SHARES : SHARES + 2, 0] = 1 - np.exp(-STEP / PARTS / times)
         self._drone.autopilot[:, 0] = autopilot_numbers(quadrotor)
+        self._queue: deque[np.ndarray] = deque()
         self._drone.disturbance[THRUST_FACTOR], self._drone.step[:] = 1, STEP / PARTS
         self.stop()
 
@@ -62,9 +63,10 @@ class Plant:
 
     def step(self, command: np.ndarray) -> None:
         """Fly one step under a command, thrust per mass and body rates."""
-        self._queue.append(command)
-        self._drone.acting[:, 0] = self._queue.popleft()
-        _fly(self._drone, PARTS)
+        for _ in range(PARTS):
+            self._queue.append(command)
+            self._drone.acting[:, 0] = self._queue.popleft()
+            _fly(self._drone, 1)
 
 
 def _steps(vehicle: VehicleState, steps: int) -> None:

@@ -37,6 +37,7 @@ class RefusedError(Exception):
 class Move:
     """A move that the vehicle follows."""
 
+    connection: socket.socket
     number: int
     command: np.ndarray
     end: int
@@ -51,10 +52,11 @@ class Server:
         vehicle: its name, besides "".
         spawn: where it was set up in the level [m] (north, east, down).
         scene: objects by name: position and orientation (x, y, z; w, x, y, z; north, east, down) and scale.
-        racing_lab: whether it is Drone Racing Lab: another pose call, no kinematics to be set, no rotors.
+        racing_lab: whether it is Drone Racing Lab: poses with noise or without, no kinematics to be set, no rotors.
+        cosys: whether it is Cosys-AirSim: poses in its frame or in the Unreal Engine's.
         loses_cancel: numbers of the moves that do not notice that they were replaced.
         cancels_successor: whether `cancelLastTask` hits the next move, too.
-        kill_at: number of the move with which all connections end.
+        cut_at: number of the move with which the connection ends.
         silent_at: call that is never answered.
         disowned_at: number of the move with which API control is lost.
         altered: what is made of a call's result.
@@ -71,9 +73,10 @@ class Server:
     vehicle: str = "Drone1"
     scene: dict[str, tuple[list[float], list[float], list[float]]] = field(default_factory=dict)
     racing_lab: bool = False
+    cosys: bool = False
     loses_cancel: tuple[int, ...] = ()
     cancels_successor: bool = False
-    kill_at: int = -1
+    cut_at: int = -1
     silent_at: str = ""
     disowned_at: int = -1
     altered: dict[str, Callable[[Any], Any]] = field(default_factory=dict)
@@ -94,7 +97,7 @@ class Server:
         self.stamp, self._steps, self._continued, self._moves = 1_700_000_000_000_000_000, 0, 0, 0
         self.controlled = self._armed = self.paused = self._placed = False
         self._move: Move | None = None
-        self._goal, self._goal_stamp, self._stuck = np.zeros(4), 0, 0
+        self._goal, self._goal_stamp, self._stuck = np.zeros(4), 0, None
         self._threads[0].start()
         return self
 
@@ -128,8 +131,9 @@ class Server:
                 for _, number, method, arguments in unpacker:
                     with self._lock:
                         self._take(connection, number, method, arguments)
-                    if self._moves == self.kill_at:
-                        self.kill()
+                    if self._moves == self.cut_at:
+                        self._moves += 1
+                        connection.shutdown(socket.SHUT_RDWR)
 
     def _take(self, connection: socket.socket, number: int, method: str, arguments: list) -> None:
         """Answer one request."""
@@ -154,6 +158,10 @@ class Server:
         with suppress(OSError):
             connection.sendall(msgpack.packb([1, number, None, result]))
 
+    def _end(self, move: Move, ran_out: bool) -> None:
+        """Answer the call of a move that is over."""
+        self._reply(move.connection, move.number, ran_out)
+
     def _call(self, connection: socket.socket, number: int, method: str, arguments: list) -> Any:
         """The result of a call."""
         known = self._known()
@@ -173,11 +181,11 @@ class Server:
         if method == "moveByAngleRatesThrottle":
             return self._begin_move(connection, number, arguments)
         if method == "cancelLastTask":
-            return self._cancel(connection)
+            return self._cancel()
         if method == "reset":
-            return self._reset(connection)
+            return self._reset()
         if method == "simContinueForTime":
-            return self._continue(connection, arguments[0])
+            return self._continue(arguments[0])
         return answer(*arguments)
 
     def _known(self) -> dict[str, tuple[tuple[type, ...], Callable[..., Any]]]:
@@ -203,15 +211,19 @@ class Server:
             "simSetVehiclePose": ((dict, bool, str), lambda pose, *_: self._place(pose)),
             "simListSceneObjects": ((str,), lambda _: list(self.scene)),
             "simGetObjectScale": ((str,), lambda name: _vector(self.scene[name][2])),
-            "simGetObjectPose": ((str, bool) if self.racing_lab else (str,), lambda name, *_: self._object(name)),
+            "simGetObjectPose": ((str, bool) if self.racing_lab or self.cosys else (str,), self._object),
         }
-        if not self.racing_lab:
+        if self.racing_lab:
+            every["simGetLastGatePassed"] = ((str,), lambda _: 65535)
+        else:
             every["simSetKinematics"] = ((dict, bool, str), lambda kinematics, *_: self._place(kinematics))
             every["getRotorStates"] = ((str,), lambda _: {"rotors": self._rotors(), "timestamp": self.stamp})
         return every
 
-    def _object(self, name: str) -> dict[str, Any]:
+    def _object(self, name: str, way: bool | None = None) -> dict[str, Any]:
         """Where something of the level is; NaN where there is no such thing."""
+        if way is not None and way is not self.cosys:
+            return _pose([1e3, 1e3, 1e3], [1, 0, 0, 0])  # with noise, or of the Unreal Engine
         if name == self.vehicle:
             return _pose(self.plant.state[:3] * [1, -1, -1] + self.spawn, [1, 0, 0, 0])
         nowhere = [np.nan] * 3, [np.nan] * 4
@@ -236,37 +248,37 @@ class Server:
             self.controlled = False
         before = self._move
         newtons = throttle * FULL_THRUST * self.density / SEA_LEVEL
-        self._move = Move(number, np.array([newtons / self.plant.quadrotor.mass, p, -q, -r]), self.stamp + int(duration * 1e9))
+        self._move = Move(connection, number, np.array([newtons / self.plant.quadrotor.mass, p, -q, -r]), self.stamp + int(duration * 1e9))
         self.thrusts.append(newtons)
         if before is None:
             return
         if self._moves in self.loses_cancel:
-            self._stuck = before.number
+            self._stuck = before
             return
         if select.select([connection], [], [], QUICK)[0]:
             self.violations.append("a call before the reply to the replaced move")
-        self._reply(connection, before.number, False)
+        self._end(before, False)
 
-    def _cancel(self, connection: socket.socket) -> None:
+    def _cancel(self) -> None:
         if self._stuck:
-            self._reply(connection, self._stuck, False)
-            self._stuck = 0
+            self._end(self._stuck, False)
+            self._stuck = None
             if not self.cancels_successor:
                 return
         if self._move is not None:
-            self._reply(connection, self._move.number, False)
+            self._end(self._move, False)
             self._move = None
 
-    def _reset(self, connection: socket.socket) -> None:
+    def _reset(self) -> None:
         if self._move is not None:
             self.violations.append("reset in the middle of a move")
-            self._reply(connection, self._move.number, False)
+            self._end(self._move, False)
         self._move, self.controlled, self._armed, self._placed = None, False, False, False
         self._continued = self._steps = 0
         self._goal = np.zeros(4)
         self.plant.stop()
 
-    def _continue(self, connection: socket.socket, seconds: float) -> None:
+    def _continue(self, seconds: float) -> None:
         """Fly: the steps that were asked for, now and then one more, or none at all."""
         if not self.paused:
             self.violations.append("simContinueForTime without simPause")
@@ -275,9 +287,9 @@ class Server:
         steps = 0 if self._continued % 11 == 5 else steps
         self.periods.append(steps)
         for _ in range(steps):
-            self._step(connection)
+            self._step()
 
-    def _step(self, connection: socket.socket) -> None:
+    def _step(self) -> None:
         if self._move is not None:
             self._goal, self._goal_stamp = self._move.command, self.stamp
         held = self.stamp - self._goal_stamp > HOLDS_AFTER
@@ -288,7 +300,7 @@ class Server:
         if not self._placed:
             self.plant.stand()
         if self._move is not None and self.stamp >= self._move.end:
-            self._reply(connection, self._move.number, True)
+            self._end(self._move, True)
             self._move = None
 
     def _place(self, kinematics: dict) -> None:

@@ -8,11 +8,13 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from flight.scenarios import make_scenario
+from flight.scenarios import make_scenario, parameters
 from hotlap.core.errors import InputError
 from hotlap.files.descriptions import load_quadrotor
+from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.flightmare import CALLS, STEP, Flightmare, open_simulator
 from hotlap.worlds.simulator import SimulatorError, Start
+from hotlap.worlds.stepped import Stepped
 from worlds import flightlib
 
 VEHICLE = load_quadrotor("flightmare")
@@ -160,3 +162,13 @@ def test_what_goes_wrong_in_the_module_is_one_line(module):
     module.Quadrotor.__init__ = make
     with pytest.raises(SimulatorError, match=r"^my_flightlib: Quadrotor: OSError: no quadrotor_env\.yaml$"):
         opened(module)
+
+
+def test_a_race_is_flown_as_in_the_built_in_world(module):
+    scenario = make_scenario(VEHICLE.model_dump(), model=VEHICLE.model_dump(), noise={"position": 0.03, "thrust": 0.01, "rates": 0.02})
+    asked, seeds = parameters(2), np.arange(2)
+    home = BuiltIn("float64").fly(scenario, asked, seeds)
+    away = Stepped("flightmare", lambda *_: open_simulator(scenario, 0, module.__name__)).fly(scenario, asked, seeds)
+    np.testing.assert_array_equal(away.end, home.end)
+    np.testing.assert_allclose(away.mean_error, home.mean_error, atol=5e-3)
+    np.testing.assert_allclose(away.closest_distance, home.closest_distance, atol=0.02)

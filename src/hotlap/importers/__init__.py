@@ -17,7 +17,7 @@ from hotlap.core.errors import InputError
 from hotlap.core.printable import printable
 from hotlap.files.kinds import Kind
 from hotlap.files.recognition import TYPES
-from hotlap.importers import agilicious, airsim, drone_models, fast_fly, lsy_drone_racing, mrs, rpg_time_optimal, sdf, togt, urdf
+from hotlap.importers import agilicious, drone_models, fast_fly, lsy_drone_racing, mrs, rpg_time_optimal, sdf, togt, urdf
 from hotlap.importers.content import Content
 from hotlap.importers.documents import read_document
 from hotlap.importers.imported import Findings, Format, Imported, rounded
@@ -34,6 +34,7 @@ FORMATS: tuple[Format, ...] = (
     *sdf.FORMATS,
     *urdf.FORMATS,
 )
+SIMULATOR = "airsim:"
 OURS = ({"gates", "start"}, {"rotor_thrust"}, {"track", "vehicle"})  # keys of files that need no import
 
 
@@ -47,7 +48,9 @@ def read(path: str | Path, name: str | None = None) -> Imported:
     Raises:
         InputError: the file is none that can be read, no simulator answers, or they say what cannot be; with file, key and reason.
     """
-    if airsim.is_address(str(path)):
+    if str(path).startswith(SIMULATOR):
+        from hotlap.importers import airsim  # noqa: PLC0415  it loads a world
+
         source, found = airsim.read_level(str(path), name)
         return _imported(source, airsim.NAME, Kind.TRACK, found, "")
     root = read_document(Path(path))

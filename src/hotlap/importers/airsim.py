@@ -20,9 +20,9 @@ from hotlap.worlds.simulator import SimulatorError
 
 Floats = NDArray[np.float64]
 NAME = "the gates of a level of AirSim"
-PREFIX = "airsim:"
 GATES, NUMBER = "Gate.*", re.compile(r"Gate\D*?(\d+)")
 OPENING, OUTER = 1.6, 3.2 / 1.5  # m: the square opening of Drone Racing Lab's gate at scale 1, and the outside of its frame
+NOISY, NED = False, True  # second argument of simGetObjectPose in Drone Racing Lab, and in Cosys-AirSim
 TRIES = 10  # Drone Racing Lab says NaN now and then
 NEAR = 0.01  # m
 STANDING, HEIGHT = 0, 1.0  # landed_state on the ground; m above it from which a flight starts
@@ -41,6 +41,7 @@ class _Level:
         origin: shape (3,) [m] where it was set up in the level; None: the level does not say.
         stands: whether it stands on the ground.
         is_racing_lab: whether it is a level of Drone Racing Lab.
+        how: arguments behind an object's name that its pose is asked for with.
         others: objects that are called gates but have no number.
     """
 
@@ -52,12 +53,8 @@ class _Level:
     origin: Floats | None = None
     stands: bool = False
     is_racing_lab: bool = False
+    how: tuple[bool, ...] = ()
     others: list[str] = field(default_factory=list)
-
-
-def is_address(source: str) -> bool:
-    """Whether a level is meant, `airsim://host:port`, and no file."""
-    return source.startswith(PREFIX)
 
 
 def read_level(text: str, name: str | None) -> tuple[str, Findings]:
@@ -74,7 +71,7 @@ def read_level(text: str, name: str | None) -> tuple[str, Findings]:
         InputError: nobody answers there, it has no gates with numbers, or says what cannot be.
     """
     try:
-        address = address_of(text.removeprefix(PREFIX).strip("/"))
+        address = address_of(text.partition(":")[2].strip("/"))
     except ValueError as error:
         raise InputError(text, "", str(error)) from None
     source = f"airsim://{address.host}:{address.port}{':' if address.vehicle else ''}{address.vehicle}"
@@ -92,7 +89,8 @@ def read_level(text: str, name: str | None) -> tuple[str, Findings]:
 def _read(client: Client, vehicle: str, source: str) -> _Level:
     """Ask for everything."""
     names = Content(source, client.call("simListSceneObjects", GATES), "simListSceneObjects")
-    numbered, level = [], _Level()
+    numbered, level = [], _Level(is_racing_lab=_is_racing_lab(client, vehicle))
+    level.how = (NOISY,) if level.is_racing_lab else ()
     for name in sorted(entry.text() for entry in names.items()):
         number = NUMBER.match(name)
         if number:
@@ -125,20 +123,29 @@ def _origin(client: Client, vehicle: str, level: _Level, source: str) -> Floats 
 
 
 def _pose(client: Client, name: str, level: _Level, source: str) -> Content:
-    """Where an object is: its true pose, which Drone Racing Lab wants to be asked for."""
+    """Where an object is, truly: Drone Racing Lab adds noise if it is asked to, and Cosys-AirSim turns the frame."""
     pose = Content(source, None)
     for _ in range(TRIES):
         try:
-            told = client.call("simGetObjectPose", name, *((False,) if level.is_racing_lab else ()))
+            told = client.call("simGetObjectPose", name, *level.how)
         except CallError as error:
-            if level.is_racing_lab or not (error.wants_other_arguments or error.unknown):
+            if level.how or not error.wants_other_arguments:
                 raise
-            level.is_racing_lab = True
-            continue
+            level.how = (NED,)
+            told = client.call("simGetObjectPose", name, *level.how)
         pose = Content(source, told, f"simGetObjectPose({name})")
         if all(value == value for value in pose["position"].table().values()):  # noqa: PLR0124  NaN is not itself
             break
     return pose
+
+
+def _is_racing_lab(client: Client, vehicle: str) -> bool:
+    """Whether this is Drone Racing Lab: it alone counts gates."""
+    try:
+        client.call("simGetLastGatePassed", vehicle)
+    except CallError as error:
+        return not error.unknown
+    return True
 
 
 def _start(found: Findings, level: _Level) -> None:

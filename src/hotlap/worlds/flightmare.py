@@ -86,7 +86,8 @@ class Flightmare:
         vehicle, rates = self._quadrotor, self._state[10:]
         inertia = vehicle.inertia_vector
         torque = inertia * vehicle.rate_gain * (command[1:] - rates) + np.cross(rates, inertia * rates)
-        return np.clip(self._mixer @ np.array([vehicle.mass * command[0], *torque]), *vehicle.rotor_thrust)
+        thrusts: Floats = self._mixer @ np.array([vehicle.mass * command[0], *torque])
+        return thrusts.clip(*vehicle.rotor_thrust)
 
     def _read(self) -> Floats:
         return self._numbers("state", 13)

@@ -23,6 +23,7 @@ from hotlap.worlds.simulator import SimulatorError, Start
 
 Floats = NDArray[np.float64]
 STEP = 0.003  # s, of AirSim's physics
+DELAY = 0.0075  # s, dead time of its own rate loop as it looks from outside
 MARGIN = 0.001  # s less than whole steps are asked for, so that it ends before another begins
 MASS, GRAVITY = 1.0, 9.80665  # kg, m/s^2: of its generic quadrotor
 THRUST, SEA_LEVEL = 4 * 4.179446, 1.225  # N at full throttle in air of this density, kg/m^3
@@ -47,7 +48,7 @@ class AirSim:
         SimulatorError: there is no such vehicle, or the server is none of these.
     """
 
-    lanes, step, scales_thrust = 1, STEP, False
+    lanes, step, scales_thrust, delay = 1, STEP, False, DELAY
 
     def __init__(self, client: Client, vehicle: str = "", timeout: float = TIMEOUT) -> None:
         self._client, self._vehicle, self._timeout = client, vehicle, timeout
@@ -57,6 +58,7 @@ class AirSim:
         self._tells_rotors = self._sets_kinematics = True
         client.call("ping")
         self._take_control()
+        client.call("cancelLastTask", vehicle)  # of a connection before, that was lost
 
     def reset(self, lane: int, start: Start) -> None:  # noqa: ARG002  there is one lane
         """Place the drone, its rotors as in hover.
