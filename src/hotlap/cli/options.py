@@ -50,6 +50,7 @@ SHOWN: Mapping[str, Shown] = {
     "first_guess": Shown("NAME", values=PARAMETERS),
     "format": Shown("NAME", "format", tuple(FORMATS)),
     "on": Shown("WORLD"),
+    "to": Shown("A,B"),
     "tuners": Shown("A,B"),
     "budget": Shown("N"),
     "randomise": Shown("R"),
