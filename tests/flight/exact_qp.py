@@ -17,7 +17,7 @@ import numpy as np
 from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
 from hotlap.flight.fly import fly_batch, prepare, settings_of
 from hotlap.flight.job import Job, Settings
-from hotlap.flight.kernel import Lane, _actuate, _start_flight
+from hotlap.flight.kernel import Lane, actuate, start_next_flight
 from hotlap.flight.mpc import Mpc, allocate_mpc, solve
 from hotlap.flight.mpc_step import aim, begin_control, begin_plan
 from hotlap.flight.numbers import Numbers, best_numbers
@@ -143,12 +143,12 @@ def is_bounded(mpc: Mpc, inputs: np.ndarray) -> bool:
 
 @kept
 def take_off(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane) -> None:
-    _start_flight(job, s, NO_FLOOR, loop, vehicle_state, lane, 0)
+    start_next_flight(job, s, NO_FLOOR, loop, vehicle_state, lane, 0)
 
 
 @kept
 def fly_on(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, numbers: VehicleState, lane: Lane) -> None:
-    _actuate(job, s, loop, vehicle_state, lane, 0)
+    actuate(job, s, loop, vehicle_state, lane, 0)
     fly_period(numbers, s.steps)
     lane.tick[0] += 1
 

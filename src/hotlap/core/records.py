@@ -24,7 +24,8 @@ class Cause(IntEnum):
     """Why a flight crashed; NONE where it did not.
 
     NUMBERS: a state that is not a number. DISTANCE: too far from the clocked reference. RATE: turned too fast. FLOOR, CEILING: hit them.
-    OUTSIDE: left the track's box. FRAME, POLE, SPHERE, BOX: touched the frame of a gate, or an obstacle.
+    OUTSIDE: left the track's box. FRAME, POLE, SPHERE, BOX: touched the frame of a gate, or an obstacle. LOST: the simulator was lost in
+    mid-flight, and nobody knows what became of the drone.
     """
 
     NONE = 0
@@ -38,6 +39,7 @@ class Cause(IntEnum):
     POLE = 8
     SPHERE = 9
     BOX = 10
+    LOST = 11
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ def fly_batch(
         with ThreadPoolExecutor(crew) as pool:  # compiled code runs without the interpreter's lock
             effort = sum(pool.map(lambda _: fly_queue(numbers, law, job, settings, gates, verdicts), range(crew)))
     lane_steps, useful_steps = np.asarray(effort).tolist()
-    return _record(scenario, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
+    return record(scenario, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
 
 
 def settings_of(scenario: Scenario) -> Settings:
@@ -215,7 +215,7 @@ def _memory(period: float, time: float) -> float:
     return math.exp(-period / time) if time > 0 else 0.0
 
 
-def _record(scenario: Scenario, job: Job, gates: Gates, v: Verdicts, log: Sequence[int]) -> Flights:
+def record(scenario: Scenario, job: Job, gates: Gates, v: Verdicts, log: Sequence[int]) -> Flights:
     """The record of the flights: the judge's results, and the logs."""
     return Flights(
         seeds=job.seeds,

@@ -32,7 +32,7 @@ from hotlap.flight.verdicts import (
     new_verdicts,
 )
 
-__all__ = ["Gates", "Verdicts", "gates_of", "judge", "new_verdicts"]
+__all__ = ["Gates", "Verdicts", "gates_of", "judge", "lose", "new_verdicts"]
 
 NONE, NUMBERS, CEILING, OUTSIDE = int(Cause.NONE), int(Cause.NUMBERS), int(Cause.CEILING), int(Cause.OUTSIDE)
 DISTANCE, RATE = int(Cause.DISTANCE), int(Cause.RATE)
@@ -121,6 +121,12 @@ def _pass_gates(v: Verdicts, i: int, g: Gates, start: float, before: Any, time: 
     else:
         over = _decide_at_the_end(v, i, g, time, now)
     return over or (v.end[i] == MISSED and not g.fly_on)
+
+
+@njit(**INLINE)
+def lose(v: Verdicts, i: int, g: Gates, cause: int, time: float, now: Any, error: float) -> None:
+    """End flight i at a time [s] and a place for a cause that the judge cannot see; one that has passed every gate had finished before."""
+    _crash(v, i, g, cause, -1, time, now, error)
 
 
 @njit(**INLINE)

@@ -51,6 +51,12 @@ class Lane(NamedTuple):
     thrust: Any
 
 
+def allocate_lanes(lanes: int) -> Lane:
+    """Lanes without a flight."""
+    flight, tick, piece = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
+    return Lane(flight, tick, piece, correlated=np.zeros((7, lanes)), thrust=np.zeros((2, lanes)))
+
+
 def fly_queue(numbers: Numbers, law: str, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
     """Fly all flights of a queue in this thread; other threads may fly flights of the same queue meanwhile.
 
@@ -61,9 +67,7 @@ def fly_queue(numbers: Numbers, law: str, job: Job, settings: Settings, gates: G
     commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods, settings.acted_periods) + 2
     controller = CONTROLLERS[law].allocate(settings, lanes, real)
     memory = controller, allocate_control_loop(commands, lanes, real), allocate_vehicle_state(lanes, real)
-    flight, tick, piece = (np.full(lanes, value, dtype=np.int64) for value in (IDLE, 0, FRESH))
-    lane = Lane(flight, tick, piece, correlated=np.zeros((7, lanes)), thrust=np.zeros((2, lanes)))
-    worker(numbers, law)(job, settings, gates, verdicts, *memory, lane, effort)
+    worker(numbers, law)(job, settings, gates, verdicts, *memory, allocate_lanes(lanes), effort)
     return effort
 
 
@@ -93,7 +97,7 @@ def worker(numbers: Numbers, law: str = ControllerKind.MPC) -> Callable[..., Non
         noisy = s.measured_position + s.measured_velocity + s.measured_attitude > 0
         busy = 0
         for k in range(lanes):
-            busy += _start_flight(job, s, gates.floor, loop, vehicle_state, lane, k)
+            busy += start_next_flight(job, s, gates.floor, loop, vehicle_state, lane, k)
             begin(job, s, memory, k)
         while busy > 0:
             effort[0] += lanes
@@ -103,30 +107,37 @@ def worker(numbers: Numbers, law: str = ControllerKind.MPC) -> Callable[..., Non
             for k in range(lanes):
                 if lane.flight[k] != IDLE:
                     if noisy:
-                        _add_measurement_noise(job, s, loop, lane, k)
+                        add_measurement_noise(job, s, loop, lane, k)
                     lane.piece[k] = aim(job, s, memory, loop, k, lane.flight[k], lane.piece[k], lane.tick[k] * s.period, s.period)
             control(s, m, p)
             for k in range(lanes):
                 if lane.flight[k] != IDLE:
-                    _actuate(job, s, loop, vehicle_state, lane, k)
+                    actuate(job, s, loop, vehicle_state, lane, k)
             fly_period(c, s.steps)
             for k in range(lanes):
                 if lane.flight[k] != IDLE and vehicle_state.state[2, k] < gates.floor:
                     _stand(gates, verdicts, vehicle_state, lane, k)
-                if lane.flight[k] != IDLE and _judge_period(job, s, gates, verdicts, loop, vehicle_state, lane, k):
-                    busy += _start_flight(job, s, gates.floor, loop, vehicle_state, lane, k) - 1
+                if lane.flight[k] != IDLE and judge_period(job, s, gates, verdicts, loop, vehicle_state, lane, k):
+                    busy += start_next_flight(job, s, gates.floor, loop, vehicle_state, lane, k) - 1
                     begin(job, s, memory, k)
 
     return keep(njit(**COMPILE)(work), f"{law}-{numbers}")
 
 
 @njit(**COMPILE)
-def _start_flight(job: Job, s: Settings, floor: float, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> int:
+def start_next_flight(job: Job, s: Settings, floor: float, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> int:
     """Begin the next flight of the queue in a lane; 0 if there is none."""
     i = fetch_and_add(job.queue)
     if i >= len(job.seeds):
         lane.flight[k] = IDLE
         return 0
+    start_flight(job, s, floor, loop, vehicle_state, lane, k, i)
+    return 1
+
+
+@njit(**COMPILE)
+def start_flight(job: Job, s: Settings, floor: float, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int, i: int) -> None:
+    """Begin flight i in a lane."""
     lane.flight[k], lane.tick[k], lane.piece[k] = i, 0, FRESH
     vehicle, seed = min(i, len(job.vehicles) - 1), job.seeds[i]
     for n in range(len(vehicle_state.vehicle)):
@@ -142,7 +153,6 @@ def _start_flight(job: Job, s: Settings, floor: float, loop: ControlLoop, vehicl
     lane.correlated[:, k] = 0
     vehicle_state.acting[:, k] = 0
     vehicle_state.acting[0, k] = s.gravity
-    return 1
 
 
 @njit(**COMPILE)
@@ -167,7 +177,7 @@ def _place(job: Job, s: Settings, floor: float, vehicle_state: VehicleState, k: 
 
 
 @njit(**INLINE)
-def _add_measurement_noise(job: Job, s: Settings, loop: ControlLoop, lane: Lane, k: int) -> None:
+def add_measurement_noise(job: Job, s: Settings, loop: ControlLoop, lane: Lane, k: int) -> None:
     """Add measurement noise to the state that the controller sees."""
     seed, step, seen = job.seeds[lane.flight[k]], lane.tick[k] + 1, loop.seen
     for i in range(3):
@@ -180,7 +190,7 @@ def _add_measurement_noise(job: Job, s: Settings, loop: ControlLoop, lane: Lane,
 
 
 @njit(**INLINE)
-def _actuate(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
+def actuate(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
     """Set the command that acts from now on, with actuation noise, which is correlated from step to step; the wind; and the log."""
     i, step = lane.flight[k], lane.tick[k] + 1
     seed, delay = job.seeds[i], job.delay_periods[min(i, len(job.delay_periods) - 1)]
@@ -249,7 +259,7 @@ def _stand(gates: Gates, verdicts: Verdicts, vehicle_state: VehicleState, lane: 
 
 
 @njit(**INLINE)
-def _judge_period(
+def judge_period(
     job: Job, s: Settings, gates: Gates, verdicts: Verdicts, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int
 ) -> bool:
     """Judge the control period that a lane has flown; returns whether its flight is over."""

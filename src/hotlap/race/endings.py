@@ -27,6 +27,8 @@ def in_words(race: Race, end: End, gates_passed: int, cause: Cause = Cause.NONE,
     if cause is Cause.FRAME:
         its_own = ahead.key == f"gates[{index}]"
         return f"touched the frame of {ahead.name}" if its_own else f"touched the frame of {_name_of_gate(race.track, index)} {before}"
+    if cause is Cause.LOST:
+        return f"was lost {before}: the simulator failed"
     if cause in _DEEDS:
         return f"{_DEEDS[cause]} {before}"
     if cause in _OBSTACLES:
