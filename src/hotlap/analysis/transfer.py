@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from hotlap.analysis.resumable import Progress, digest_code, no_progress
 from hotlap.analysis.time_left import TimeLeft
+from hotlap.core.counts import count
+from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
-from hotlap.core.records import Cause, End
+from hotlap.core.records import Cause, End, Flights, Scores
 from hotlap.core.success_rate import Validation
 from hotlap.race.endings import in_words
 from hotlap.reference.scenario import Scenario
@@ -28,6 +30,7 @@ Floats = NDArray[np.float64]
 
 TUNED, DEFAULT = "tuned", "default"
 DIGITS = 4  # of metres, in what is kept
+ATTEMPTS = 3  # at a flight that is lost
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,7 @@ class TransferFlight:
         mean_error: [m] distance from the clocked reference until the end; NaN where there is none.
         max_error: [m] likewise.
         ending: how it ended, in words.
+        end_time: [s] of the last passed gate, the miss or the crash.
         times: shape (steps,) [s] of the control steps until its end.
         errors: shape (steps,) [m] distance from the clocked reference at these times.
     """
@@ -55,6 +59,7 @@ class TransferFlight:
     mean_error: float
     max_error: float
     ending: str
+    end_time: float
     times: Floats
     errors: Floats
 
@@ -248,9 +253,20 @@ class Journey:
         }
 
     def _fly_one(self, world: World, label: str, seed: int) -> TransferFlight:
-        """One flight."""
-        objective = Objective(self.flown, world)
-        flights, scores = objective.fly_recorded(self.sets[label][None], np.array([seed], dtype=np.int64), log=(0,))
+        """One flight; one that was lost, whose end nobody knows, is flown again.
+
+        Raises:
+            InputError: the world is lost time and again.
+        """
+        objective, seeds = Objective(self.flown, world), np.array([seed], dtype=np.int64)
+        for _ in range(ATTEMPTS):
+            flights, scores = objective.fly_recorded(self.sets[label][None], seeds, log=(0,))
+            if flights.cause[0] != Cause.LOST:
+                return self._record(world, label, flights, scores)
+        raise InputError("", "on", f"{world.name} was lost in {count(ATTEMPTS, 'flight')} in a row")
+
+    def _record(self, world: World, label: str, flights: Flights, scores: Scores) -> TransferFlight:
+        """What is kept of a batch of one flight."""
         end, log = End(int(flights.end[0])), flights.logs[0]
         known = np.isfinite(log.states[:, :3]).all(axis=1)
         times, places = log.times[known], log.states[known, :3]
@@ -258,12 +274,13 @@ class Journey:
         return TransferFlight(
             world=world.name,
             label=label,
-            seed=seed,
+            seed=int(flights.seeds[0]),
             completion=float(scores.completion[0]),
             lap_time=float(scores.lap_time[0]),
             mean_error=float(flights.mean_error[0]),
             max_error=float(flights.max_error[0]),
             ending=in_words(self.scenario.race, end, int(flights.gates_passed[0]), *cause),
+            end_time=float(flights.end_time[0]),
             times=times,
             errors=np.linalg.norm(places - self.scenario.reference.position_at(times), axis=1),
         )

@@ -20,7 +20,7 @@ from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameE
 from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
 from hotlap.first_guess.guess import first_guess
 from hotlap.reference.scenario import Scenario
-from hotlap.study.snapshot import Snapshot, read_snapshot
+from hotlap.study.snapshot import ELSEWHERE, Snapshot, read_snapshot
 from hotlap.study.study import Study
 from hotlap.system.text_files import replace
 from hotlap.worlds.world import World
@@ -28,7 +28,7 @@ from hotlap.worlds.world import World
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FOLDER, PAGE, WEB = "transfer", "page.md", "page.html"
+PAGE = "page.md"
 FEWEST, MOST = 3, 1000  # flights of each set in each world
 
 
@@ -63,7 +63,7 @@ class TransferResult(Outcome):
         """How many of the flights with tuned parameters passed every gate in each world, and their error."""
         home, *others = self.worlds
         tuned = {
-            f"in {row.world}": f"{row.complete.successes} of {count(row.complete.flights, 'flight')} complete, {row.mean_error:.2f} m"
+            row.world: f"{row.world} {row.complete.successes} of {count(row.complete.flights, 'flight')} complete, {row.mean_error:.2f} m"
             for row in self.by_world
             if row.label == TUNED
         }
@@ -98,14 +98,16 @@ def carry_out(asked: Asked) -> TransferResult:
     check_range("flights", asked.flights, FEWEST, MOST)
     check_range("seed", asked.seed, 0, LARGEST_RUN_SEED)
     snapshot = _read(Path(asked.folder))
-    configuration, folder = snapshot.configuration, snapshot.folder / FOLDER
+    configuration, folder = snapshot.configuration, snapshot.folder / ELSEWHERE.parent
     scenario, everywhere = configuration.scenario, _worlds(asked.to, configuration.world)
-    sets = {TUNED: snapshot.best, DEFAULT: first_guess(scenario, DEFAULT)}
+    sets = {DEFAULT: first_guess(scenario, DEFAULT), TUNED: snapshot.best}
     journey = Journey(scenario, sets, everywhere, flight_seeds(asked.seed, Stream.DEMONSTRATION, 0, asked.flights))
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not a folder for flights")
+    with _about_to():
+        opened = journey.open(folder)
     with asked.remarked("go on"), _about_to():
-        for world in journey.open(folder):
+        for world in opened:
             make_ready(world, journey.flown, asked.progress)
         flights = tuple(journey.fly(folder, partial(asked.progress.pieces, even=False), asked.progress.note))
         pictures, page = _write(folder, scenario.race.name, rows_of(flights), asked)
@@ -155,8 +157,8 @@ def _write(folder: Path, race: str, rows: Sequence[TransferRow], asked: Asked) -
         pictures = draw_transfer(folder, race, rows)
         article = compose_article(race, rows, pictures, asked.command())
         replace(folder / PAGE, article.markdown)
-        replace(folder / WEB, article.html)
+        replace(folder / ELSEWHERE.name, article.html)
     except (HotlapError, OSError) as error:
         asked.progress.note(f"note: no page: {error}")
         return pictures, None
-    return pictures, folder / WEB
+    return pictures, folder / ELSEWHERE.name

@@ -33,8 +33,9 @@ def compose_article(race: str, rows: Sequence[TransferRow], pictures: Sequence[P
     """
     home, *others = dict.fromkeys(row.world for row in rows)
     article = Article(f"{race}: flown elsewhere", source=Journal.file)
+    everywhere = f"{', '.join([home, *others[:-1]])} and {others[-1]}"
     article.say(
-        f"Parameters that were tuned in the world *{home}*, and the default ones, flown in {' and '.join([home, *others])} "
+        f"Parameters that were tuned in the world *{home}*, and the default ones, flown in {everywhere} "
         f"with the same noise, {count(len(rows[0].flights), 'flight')} each. The error is the distance from the clocked reference; flights "
         "go on after a missed gate, to their end or to a crash."
     )

@@ -54,8 +54,8 @@ def error_boxes(race: str, rows: Sequence[TransferRow]) -> Figure:
     axes.set_ylim(0, top)
     axes.set_xlim(-0.5, len(names) - 0.5)
     for row in rows:
-        place = names.index(row.world) + (labels.index(row.label) - (len(labels) - 1) / 2) / (len(labels) + 1)
-        _draw_box(axes, row, place, BOX_WIDTH / (len(labels) + 1), top)
+        beside = (labels.index(row.label) - (len(labels) - 1) / 2) / (len(labels) + 1)
+        _draw_box(axes, row, names.index(row.world) + beside, BOX_WIDTH / (len(labels) + 1), top, right=beside >= 0)
     axes.set_xticks(range(len(names)), [_passed(rows, name) for name in names])
     axes.tick_params(axis="x", length=0, labelsize=NORMAL)
     axes.set_ylabel("distance from the reference [m]")
@@ -63,8 +63,8 @@ def error_boxes(race: str, rows: Sequence[TransferRow]) -> Figure:
     return figure
 
 
-def _draw_box(axes: Axes, row: TransferRow, place: float, width: float, top: float) -> None:
-    """One box, with its median beside it; a largest error above the chart is written at its upper edge."""
+def _draw_box(axes: Axes, row: TransferRow, place: float, width: float, top: float, *, right: bool) -> None:
+    """One box, with its median to its left or right; a largest error above the chart is written at its upper edge."""
     errors, colour = row.errors, _colour(row.label)
     if not len(errors):
         axes.plot(place, 0, marker="x", color=FAILURE, clip_on=False)
@@ -84,7 +84,8 @@ def _draw_box(axes: Axes, row: TransferRow, place: float, width: float, top: flo
         whiskerprops=line,
         capprops=line,
     )
-    axes.annotate(f"{middle:.2f}", (place + width / 2, middle), (3, 0), textcoords="offset points", fontsize=SMALL, color=INK, va="center")
+    at, shift, side = (place + width / 2, 3, "left") if right else (place - width / 2, -3, "right")
+    axes.annotate(f"{middle:.2f}", (at, middle), (shift, 0), textcoords="offset points", fontsize=SMALL, color=INK, va="center", ha=side)
     largest = float(errors.max())
     axes.plot(place, min(largest, 0.98 * top), marker="^", markersize=4, color=colour, clip_on=False)
     if largest > top:
@@ -93,13 +94,13 @@ def _draw_box(axes: Axes, row: TransferRow, place: float, width: float, top: flo
 
 @styled
 def error_over_time(race: str, rows: Sequence[TransferRow]) -> Figure:
-    """Tracking error over time: a chart for each world, a thin line for each flight; a cross where one ended early."""
+    """Tracking error over time: a chart for each world, a thin line for each flight; a cross where a gate was first missed."""
     names, labels = _worlds(rows), _labels(rows)
-    height = TOP + len(names) * TALL + (len(names) - 1) * GAP + BOTTOM
+    height = TOP + GAP / 2 + len(names) * TALL + (len(names) - 1) * GAP + BOTTOM
     figure = Figure(figsize=(LEFT + LONG + RIGHT, height))
     top, end = _top(rows), max((float(flight.times[-1]) for row in rows for flight in row.flights if len(flight.times)), default=1.0)
     for k, name in enumerate(names):
-        axes = place_axes(figure, LEFT, height - TOP - (k + 1) * TALL - k * GAP, LONG, TALL)
+        axes = place_axes(figure, LEFT, height - TOP - GAP / 2 - (k + 1) * TALL - k * GAP, LONG, TALL)
         axes.grid(visible=True)
         axes.set_xlim(0, end)
         axes.set_ylim(0, top)
@@ -111,7 +112,7 @@ def error_over_time(race: str, rows: Sequence[TransferRow]) -> Figure:
             axes.tick_params(labelbottom=False)
         else:
             axes.set_xlabel("time [s]")
-    crosses = [("×", FAILURE, "missed a gate, or crashed")] * any(row.complete.rate != 1 for row in rows)
+    crosses = [("×", FAILURE, "first gate missed, or crash")] * any(row.complete.rate != 1 for row in rows)
     detail = "distance from the clocked reference; a line a flight, with the same noise in all worlds"
     headline(figure, LEFT, f"{race}: tracking error over time", detail, [*_key(labels, "━"), *crosses])
     return figure
@@ -122,7 +123,8 @@ def _draw_flights(axes: Axes, row: TransferRow, top: float) -> None:
     for flight in row.flights:
         axes.plot(flight.times, flight.errors, color=_colour(row.label), linewidth=0.7, alpha=0.85)
         if not flight.complete and len(flight.times):
-            axes.plot(flight.times[-1], min(float(flight.errors[-1]), 0.95 * top), marker="x", color=FAILURE, markersize=5, clip_on=False)
+            error = float(np.interp(flight.end_time, flight.times, flight.errors))
+            axes.plot(flight.end_time, min(error, 0.95 * top), marker="x", color=FAILURE, markersize=5, zorder=4, clip_on=False)
 
 
 def _top(rows: Sequence[TransferRow]) -> float:
