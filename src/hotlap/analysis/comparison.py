@@ -45,6 +45,7 @@ class Cell:
         first_guess: name of where its runs begin.
         reference: the CSV that is flown; None: the race's plan.
         hold: conditions that the result of each run is flown under.
+        instances: simulators that fly side by side.
     """
 
     race: Race
@@ -56,6 +57,7 @@ class Cell:
     first_guess: str = DEFAULT
     reference: Path | None = None
     hold: tuple[Condition, ...] = ()
+    instances: int = 1
 
     @cached_property
     def key(self) -> str:
@@ -202,7 +204,7 @@ def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
     """The runs of cells that share a scenario, as they end."""
     first = cells[0]
     scenario = scenario_for(prepare(first.race, first.reference, segments=first.segments), tuners.build(first.tuner))
-    world = worlds.build(first.world)
+    world = worlds.build(first.world, first.instances)
     if isinstance(world, BuiltIn) and parent_process() is not None:
         world.threads = 1  # there is a worker for each processor
     objective = Objective(scenario, world, first.settings.goal.metric, first.settings.randomise)

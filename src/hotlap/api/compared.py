@@ -113,7 +113,7 @@ def carry_out(asked: Asked) -> ComparisonResult:
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of a comparison")
     with asked.remarked("go on"):
-        jobs = ResumableJobs(folder, asked.jobs, asked.progress.pieces, asked.progress.note)
+        jobs = ResumableJobs(folder, _processes(asked), asked.progress.pieces, asked.progress.note)
         runs = tuple(jobs.compare(cells, Flown()))
         pictures = _write(folder, runs, asked)
         page = _write_page(folder, runs, pictures, asked)
@@ -130,6 +130,11 @@ def carry_out(asked: Asked) -> ComparisonResult:
     )
 
 
+def _processes(asked: Asked) -> int:
+    """How many processes fly; one where each would need simulators of its own."""
+    return asked.jobs if asked.on == worlds.DEFAULT else 1
+
+
 def _cells(asked: Asked) -> list[Cell]:
     """Every tuner on every race; checks all that was asked for, and plans."""
     listed = asked.tuners.split(",") if isinstance(asked.tuners, str) else asked.tuners
@@ -139,7 +144,7 @@ def _cells(asked: Asked) -> list[Cell]:
         raise InputError("", "seeds", f"must be from 1 to {MOST_SEEDS}, not {asked.seeds}")
     if asked.jobs < 0:
         raise InputError("", "jobs", f"must not be negative, not {asked.jobs}")
-    world = worlds.build(asked.on)
+    world = worlds.build(asked.on, asked.instances)
     if asked.randomise and not world.takes_vehicle_parameters:
         raise InputError("", "randomise", f"{world.name} flies the vehicle that it has")
     if asked.first_guess not in NAMES:
@@ -157,7 +162,7 @@ def _cells(asked: Asked) -> list[Cell]:
         read_hold(asked.hold, race, world)
         make_ready(world, make_scenario(race, asked), asked.progress)
     return [
-        Cell(race, name, settings[name], seeds, asked.on, rule, asked.first_guess, reference, hold)
+        Cell(race, name, settings[name], seeds, asked.on, rule, asked.first_guess, reference, hold, asked.instances)
         for race in races
         for name in dict.fromkeys(names)
     ]

@@ -34,6 +34,7 @@ def compare(
     segments: str = SegmentationRule.PAPER,
     controller: str | None = None,
     on: str = "built-in",
+    instances: int = 1,
     hold: str = "",
     progress: Progress | None = None,
 ) -> ComparisonResult:
@@ -58,6 +59,7 @@ def compare(
         segments: how the reference is cut.
         controller: which one flies; None: the race's.
         on: where to fly.
+        instances: simulators that fly side by side, where that is a simulator.
         hold: conditions to fly each result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.
 

@@ -151,7 +151,7 @@ def carry_out(asked: Asked) -> FlightsResult:
     log = as_path(asked.log)
     check_source(as_path(asked.reference))
     check_target(log)
-    world, race = worlds.build(asked.on), load(asked.race, asked.controller)
+    world, race = worlds.build(asked.on, asked.instances), load(asked.race, asked.controller)
     if isinstance(asked.parameters, str | Path) and Path(asked.parameters).is_file():
         load_parameters(asked.parameters)
     check_guess(str(asked.first_guess))

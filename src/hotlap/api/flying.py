@@ -27,6 +27,7 @@ def fly(
     segments: str = SegmentationRule.PAPER,
     controller: str | None = None,
     on: str = "built-in",
+    instances: int = 1,
     log: str | Path | None = None,
     hold: str = "",
     progress: Progress | None = None,
@@ -43,6 +44,7 @@ def fly(
         segments: how the reference is cut.
         controller: which one flies; None: the race's.
         on: where to fly.
+        instances: simulators that fly side by side, where that is a simulator.
         log: write the first flight as CSV, step by step.
         hold: further conditions to fly them under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.

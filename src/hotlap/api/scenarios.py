@@ -22,6 +22,7 @@ from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.study.database import FILE
+from hotlap.worlds.stepped import Stepped
 from hotlap.worlds.world import World
 
 SHARE = "thrust_share"  # what parameters remember of a plan that was chosen
@@ -77,6 +78,8 @@ def planned_as(race: Race, parameters: Any) -> Race:
 
 def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:
     """Let a world compile what it flies with, and say so where that takes its time."""
+    if isinstance(world, Stepped):
+        world.note = lambda line: progress.note(f"note: {line}")
     prepare_world, needs_compiling = getattr(world, "prepare", None), getattr(world, "needs_compiling", None)
     if prepare_world is None:
         return

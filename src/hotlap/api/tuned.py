@@ -249,7 +249,7 @@ class _Job:
 def _check(asked: Asked) -> _Job:
     """Check everything that was asked for, the quick things first."""
     settings = _settings(asked)
-    tuner, world = tuners.build(asked.tuner), worlds.build(asked.on)
+    tuner, world = tuners.build(asked.tuner), worlds.build(asked.on, asked.instances)
     if asked.randomise and not world.takes_vehicle_parameters:
         raise InputError("", "randomise", f"{world.name} flies the vehicle that it has")
     check_source(as_path(asked.reference))

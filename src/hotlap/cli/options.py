@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hotlap.cli.parser import Parser, duration, fraction, one_of, path, whole
+from hotlap.core.world_names import BUILT_IN, OWN, SIMULATORS
 from hotlap.exporters.formats import FORMATS
 from hotlap.first_guess.names import NAMES as GUESSES
 from hotlap.race.controller_kind import ControllerKind
@@ -38,6 +39,7 @@ class Shown:
 
 
 PARAMETERS = f"{', '.join(GUESSES)}, parameters (a file or a study's folder), or what was learnt (a .json)"
+WORLDS = f"{', '.join((BUILT_IN, *SIMULATORS))} or {OWN}, each NAME[:ARGUMENT]"
 SHOWN: Mapping[str, Shown] = {
     "race": Shown("RACE"),
     "races": Shown("RACE"),
@@ -49,8 +51,8 @@ SHOWN: Mapping[str, Shown] = {
     "controller": Shown("KIND", "controller", tuple(ControllerKind)),
     "first_guess": Shown("NAME", values=PARAMETERS),
     "format": Shown("NAME", "format", tuple(FORMATS)),
-    "on": Shown("WORLD"),
-    "to": Shown("A,B"),
+    "on": Shown("WORLD", values=WORLDS),
+    "to": Shown("A,B", values=WORLDS),
     "tuners": Shown("A,B"),
     "budget": Shown("N"),
     "randomise": Shown("R"),

@@ -1,32 +1,85 @@
-"""Worlds by name: where flights happen; all answer to the protocol of `world.py`."""
+"""Worlds by name: where flights happen; all answer to the protocol of `world.py`.
+
+A name is `built-in`, that of a simulator, or `my_module.MySimulator` for one's own; what follows a colon is told to the simulator, as in
+`airsim:127.0.0.1:41451`. A simulator is a module of this package, `NAME`, with
+
+    open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Simulator
+
+which is imported when it is asked for, so that nobody needs the packages of a simulator that is not used.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
 
-from hotlap.core.errors import UnknownNameError
-from hotlap.worlds.built_in import NAME, BuiltIn
+from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.core.world_names import BUILT_IN, OWN, SIMULATORS
+from hotlap.worlds.built_in import BuiltIn
+from hotlap.worlds.simulator import Simulator
 from hotlap.worlds.world import World
 
-DEFAULT = NAME
-
-_WORLDS: Mapping[str, Callable[[], World]] = {NAME: BuiltIn}
+DEFAULT = BUILT_IN
+MOST_INSTANCES = 256
 
 
 def names() -> tuple[str, ...]:
-    """Every world."""
-    return tuple(_WORLDS)
+    """Every world that comes with hotlap, the built-in one first; some need packages or programs of their own."""
+    return (BUILT_IN, *(name for name in SIMULATORS if find_spec(f"{__name__}.{name}") is not None))
 
 
-def build(name: str) -> World:
-    """A world by its name.
+def build(name: str, instances: int = 1) -> World:
+    """A world by its name; a simulator is opened by the first flight.
+
+    Args:
+        name: of the world, and what its simulator is told behind a colon.
+        instances: simulators that fly side by side.
 
     Raises:
         UnknownNameError: with the names that there are.
+        InputError: a simulator of one's own that cannot be imported, or a number of instances that makes no sense.
     """
-    if name not in _WORLDS:
-        raise UnknownNameError("world", name, _WORLDS, key="on")
-    return _WORLDS[name]()
+    if not 1 <= instances <= MOST_INSTANCES:
+        raise InputError("", "instances", f"must be from 1 to {MOST_INSTANCES}, not {instances}")
+    base, _, argument = name.partition(":")
+    if name == BUILT_IN:
+        if instances > 1:
+            raise InputError("", "instances", f"are of simulators; {BUILT_IN} flies on all processors at once")
+        return BuiltIn()
+    if "." not in base and base not in names():
+        raise UnknownNameError("world", name, (*names(), OWN), key="on")
+    if base == BUILT_IN:
+        raise InputError("", "on", f"{BUILT_IN} is told nothing, not '{argument}'")
+    opened = _import(base) if "." in base else partial(_open, base)
+    from hotlap.worlds.stepped import Stepped  # noqa: PLC0415  only for simulators
+
+    return Stepped(name, partial(_tell, opened, argument) if argument else opened, instances)
+
+
+def _open(name: str, *told: Any) -> Simulator:
+    """Open a simulator that comes with hotlap."""
+    return import_module(f"{__name__}.{name}").open_simulator(*told)
+
+
+def _tell(opened: Callable[..., Simulator], argument: str, *told: Any) -> Simulator:
+    """Open a simulator with what its name says behind the colon."""
+    return opened(*told, argument)
+
+
+def _import(path: str) -> Callable[..., Any]:
+    """What opens a simulator of one's own: a class, or a function."""
+    place, _, name = path.rpartition(".")
+    try:
+        opened = getattr(import_module(place), name)
+    except Exception as error:  # a module of someone else's may raise anything
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError("", "on", f"{path} cannot be imported: {reason}") from error
+    if not callable(opened):
+        raise InputError("", "on", f"{path} cannot be imported: it is no class")
+    return opened
 
 
 __all__ = ["DEFAULT", "BuiltIn", "World", "build", "names"]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
+from hotlap.core.world_names import BUILT_IN
 from hotlap.reference.scenario import Scenario
 from hotlap.system.numba_start import defer_blas
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from hotlap.flight.fly import Effort
     from hotlap.flight.numbers import Numbers
 
-NAME = "built-in"
 UNSOUND = "compiled {} flights differ from interpreted ones, so flights are computed in float64, ten times slower: please report this"
 
 
@@ -43,7 +43,7 @@ class BuiltIn:
     """
 
     def __init__(self, numbers: str = "", threads: int = 0) -> None:
-        self.name, self.takes_vehicle_parameters = NAME, True
+        self.name, self.takes_vehicle_parameters = BUILT_IN, True
         self.effort: Effort | None = None
         self._numbers, self.threads = numbers, threads
         self._sound: dict[str, Numbers] = {}

@@ -181,7 +181,7 @@ class Lockstep:
         thrusts = np.array(self._simulator.rotor_thrusts(), dtype=np.float64)
         if states.shape != (count, 13) or thrusts.shape != (count, 4):
             raise SimulatorError(f"states of shape {states.shape} and rotor thrusts of shape {thrusts.shape} are none of {count} drones")
-        whole = np.isfinite(states).all(axis=1)
+        whole = np.array([bool(np.isfinite(state).all()) for state in states])
         states[~whole, :3] = np.nan
         lengths = [float(np.linalg.norm(state[3:7])) for state in states]
         for lane in self._busy:

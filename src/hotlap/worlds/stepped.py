@@ -33,10 +33,12 @@ class Stepped:
         instances: simulators side by side.
         note: called with a line when a simulator was lost.
         watch: called after each flight with how many of the batch have ended.
+        slow: True: flights take seconds.
     """
 
     def __init__(self, name: str, open_simulator: OpenSimulator, instances: int = 1) -> None:
         self.name, self.instances, self.takes_vehicle_parameters = name, instances, False
+        self.slow = True
         self.note: Callable[[str], None] = _warn
         self.watch: Callable[[int], None] = lambda _: None
         self._instances = [Instance(name, open_simulator, number) for number in range(instances)]
@@ -95,13 +97,16 @@ class Stepped:
                 fly_queue(batch, instance, queue, lambda line: self.note(f"{self.name}: {line}"))
             except BaseException:
                 queue.stop()
-                instance.close()
                 raise
 
-        if len(crew) == 1:
-            fly_one(crew[0])
-        else:
-            _fly_side_by_side(fly_one, crew, queue.stop)
+        try:
+            if len(crew) == 1:
+                fly_one(crew[0])
+            else:
+                _fly_side_by_side(fly_one, crew, queue.stop)
+        except BaseException:
+            self.close()
+            raise
         return batch.record()
 
     def close(self) -> None:

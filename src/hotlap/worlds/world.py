@@ -45,3 +45,8 @@ class World(Protocol):
             log: indices in the batch of the flights to record in full.
         """
         ...
+
+
+def is_slow(world: World) -> bool:
+    """Whether flights of a world take seconds, so that none is flown for a picture: it says so by an attribute `slow`."""
+    return bool(getattr(world, "slow", False))

@@ -1,0 +1,6 @@
+"""Names of the worlds that come with hotlap; imports nothing, so that help costs nothing."""
+
+BUILT_IN = "built-in"
+SIMULATORS = ("rotorpy", "crazyflow", "betaflight", "airsim", "flightmare")
+"""Each is a module of `hotlap.worlds` that opens a simulator."""
+OWN = "my_module.MySimulator"
