@@ -24,13 +24,14 @@ LONG, TALL, GAP = 7.2, 1.5, 0.32  # inches of a chart over time, and between two
 REACH = 8.0  # times the median error: as far as the charts reach
 
 
-def draw_transfer(folder: Path, race: str, rows: Sequence[TransferRow]) -> tuple[Path, Path]:
+def draw_transfer(folder: Path, race: str, rows: Sequence[TransferRow], prefix: str = "") -> tuple[Path, Path]:
     """Draw both charts.
 
     Args:
         folder: for the pictures.
         race: its name.
         rows: of all worlds.
+        prefix: of the names of the files.
 
     Returns:
         The files.
@@ -38,7 +39,7 @@ def draw_transfer(folder: Path, race: str, rows: Sequence[TransferRow]) -> tuple
     Raises:
         InputError: when one cannot be written.
     """
-    return save(folder / BOXES, error_boxes(race, rows)), save(folder / OVER_TIME, error_over_time(race, rows))
+    return save(folder / f"{prefix}{BOXES}", error_boxes(race, rows)), save(folder / f"{prefix}{OVER_TIME}", error_over_time(race, rows))
 
 
 @styled
