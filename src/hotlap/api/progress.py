@@ -39,13 +39,14 @@ class Progress(Protocol):
         """
         ...
 
-    def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:
+    def pieces(self, unit: str, wanted: int, done: int, *, even: bool = True) -> AbstractContextManager[Callable[[str], None]]:
         """Pieces of work, as the runs of a comparison.
 
         Args:
             unit: what they are, in the plural.
             wanted: how many in all.
             done: how many of them were there before.
+            even: whether each takes about as long as the others; else the words tell how much time is left.
 
         Returns:
             A context that gives the function to be called with a few words on each piece that has ended.
@@ -85,7 +86,14 @@ class Quiet:
         """Nothing."""
         return nullcontext(lambda _: None)
 
-    def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:  # noqa: ARG002
+    def pieces(
+        self,
+        unit: str,  # noqa: ARG002
+        wanted: int,  # noqa: ARG002
+        done: int,  # noqa: ARG002
+        *,
+        even: bool = True,  # noqa: ARG002
+    ) -> AbstractContextManager[Callable[[str], None]]:
         """Nothing."""
         return nullcontext(lambda _: None)
 

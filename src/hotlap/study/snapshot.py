@@ -16,6 +16,9 @@ from hotlap.study.result import Result
 from hotlap.study.study import Study
 from hotlap.study.tried_plan import TriedPlan, describe_choice
 
+ELSEWHERE = Path("transfer") / "page.html"
+"""The page about flights in other worlds, in the folder of a study; there may be none."""
+
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -47,8 +50,9 @@ class Snapshot:
 
     @property
     def remark(self) -> str:
-        """Which plan was chosen, where one was, and the tuner's own remark."""
-        told = describe_choice(self.plans), "" if self.result is None else self.result.remark
+        """Which plan was chosen, where one was, the tuner's own remark, and where to read how it flew elsewhere."""
+        elsewhere = f"Flown in other worlds, too: {ELSEWHERE}" if (self.folder / ELSEWHERE).is_file() else ""
+        told = describe_choice(self.plans), "" if self.result is None else self.result.remark, elsewhere
         return ". ".join(part for part in told if part)
 
     @property
