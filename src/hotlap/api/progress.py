@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from hotlap.tuning.loop import Batch
 
 
+Rounds = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]
+"""(unit, wanted, done) -> a context that gives the function to be called with a few words on each piece that has ended."""
+
+
 class Progress(Protocol):
     """Is told how the work of a call goes on; the command line shows it as bars and lines on standard error."""
 
@@ -48,6 +52,18 @@ class Progress(Protocol):
         """
         ...
 
+    def rounds(self, unit: str, most: int) -> AbstractContextManager[Rounds]:
+        """Pieces of work that come in rounds, shown as one: the next round is known when the last one is done.
+
+        Args:
+            unit: what the pieces are, in the plural.
+            most: pieces at most, of all rounds together; 0: nobody knows.
+
+        Returns:
+            A context that gives what shows a round, called as `pieces` is.
+        """
+        ...
+
 
 class Quiet:
     """Says nothing."""
@@ -72,3 +88,7 @@ class Quiet:
     def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:  # noqa: ARG002
         """Nothing."""
         return nullcontext(lambda _: None)
+
+    def rounds(self, unit: str, most: int) -> AbstractContextManager[Rounds]:  # noqa: ARG002
+        """Nothing."""
+        return nullcontext(self.pieces)

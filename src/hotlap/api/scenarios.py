@@ -25,6 +25,7 @@ from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.study.database import FILE
 from hotlap.worlds.world import World
 
+COMPILED = "circle-34"  # the race that a kernel is compiled with; it serves all
 TRAINING = ".json"  # what the files of training sets end with
 
 
@@ -85,6 +86,11 @@ def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:
             prepare_world(scenario)
     else:
         prepare_world(scenario)
+
+
+def make_kind_ready(world: World, kind: ControllerKind, progress: Progress) -> None:
+    """The same where no scenario is at hand yet: for any race that a kind of controller flies."""
+    make_ready(world, prepare(load_race(COMPILED).with_controller(kind)), progress)
 
 
 def read_parameters(path: Path, scenario: Scenario, progress: Progress) -> Parameters:

@@ -40,8 +40,7 @@ from hotlap.study.study import Study, new_folder
 from hotlap.study.tried_plan import TriedPlan, describe_choice
 from hotlap.system.journal import Journal
 from hotlap.tuners import Tuner
-from hotlap.tuning.goal import Goal, Quantity, parse_goal
-from hotlap.tuning.goal_forms import LAP_TIME
+from hotlap.tuning.goal import Quantity, parse_goal
 from hotlap.tuning.loop import TuningSettings, scenario_for
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
@@ -265,19 +264,12 @@ def _check(asked: Asked) -> _Job:
 
 def _settings(asked: Asked) -> TuningSettings:
     """The numbers that were asked for; where time is counted, flights are not, unless that is asked for, too."""
-    settings = TuningSettings(goal=_goal(asked.goal), **{name: getattr(asked, name) for name in NUMBERS})
+    settings = TuningSettings(goal=parse_goal(asked.goal), **{name: getattr(asked, name) for name in NUMBERS})
     if not settings.minutes:
         return settings
     plain = TuningSettings()
     budget = FLIGHTS_A_STREAM if settings.budget == plain.budget else settings.budget
     return replace(settings, budget=budget, batch=POPULATION if settings.batch == plain.batch else settings.batch)
-
-
-def _goal(text: str) -> Goal:
-    """What is to be reached; the fastest plan is looked for by another program."""
-    if text.strip() == LAP_TIME:
-        raise InputError("", "goal", f"{LAP_TIME} is of the command line: hotlap tune RACE --goal {LAP_TIME}")
-    return parse_goal(text)
 
 
 def _check_folder(folder: Path | None) -> None:

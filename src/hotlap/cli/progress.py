@@ -137,6 +137,7 @@ class Terminal:
     working = staticmethod(working)
     flights = staticmethod(follow)
     pieces = staticmethod(follow_pieces)
+    rounds = staticmethod(follow_rounds)
 
 
 TERMINAL = Terminal()

@@ -25,16 +25,16 @@ from hotlap.tuning.goal_forms import LAP_TIME
 
 def run(options: Namespace) -> int:
     """Tune, and say how it ended: 1 where the goal was not confirmed within the budget."""
-    if options.goal.strip() == LAP_TIME:
-        from hotlap.cli import fastest  # noqa: PLC0415  the search for plans is work of its own
-
-        return fastest.run(options)
     try:
         tuned = tune(**arguments_of(tune, options), progress=TERMINAL)
     except InputError as error:
         if error.key != "goal" or error.source:
             raise
         raise InputError("", error.key, f"{error.reason}; {LAP_TIME} looks for the fastest plan") from None
+    if not isinstance(tuned, TuningResult):
+        from hotlap.cli import fastest  # noqa: PLC0415  the search for plans is work of its own
+
+        return fastest.present_result(tuned, as_json=options.json)
     present(as_json=options.json, document=tuned.to_dict(), lines=summarise(tuned, _check(options)))
     return 0 if tuned.confirmed or tuned.result.goal == Quantity.NONE else 1
 
