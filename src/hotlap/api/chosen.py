@@ -38,7 +38,7 @@ from hotlap.tuning.loop import Batch, TuningSettings
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.shared_time import SharedTime
 from hotlap.worlds.built_in import BuiltIn
-from hotlap.worlds.world import World
+from hotlap.worlds.world import World, is_slow
 
 PLANS = "plans"  # folder of the studies of all plans, within that of the race
 CALMER = 0.97  # of a share of the thrust, for a plan to be called calmer
@@ -49,7 +49,7 @@ FEWEST = 20  # flights of a plan beside its re-flights
 PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
 UNSEEN = 300_000  # first of the flights that tell whether parameters hold: nothing was chosen by their noise
 CHOOSES = "a calmer plan: where a race leaves planning.thrust_share out, hotlap tune chooses the boldest that its controller holds"
-TOLD = 50  # flights that tell how a plan fails
+TOLD, TOLD_IN_SIMULATORS = 50, 10  # flights that tell how a plan fails
 
 Configure = Callable[[Race, TuningSettings], Configuration]
 
@@ -276,8 +276,8 @@ def _is_hopeless(flights: int, best: Candidate) -> bool:
 
 def _how_it_ends(configuration: Configuration, world: World, parameters: Parameters) -> str:
     """How most flights end that do not pass all gates: "31 of 50 flights missed gate 3"."""
-    seeds = flight_seeds(configuration.settings.seed, Stream.DEMONSTRATION, 0, TOLD)
-    flights, scores = Objective(configuration.scenario, world).fly_recorded(np.repeat(parameters[None], TOLD, axis=0), seeds)
+    seeds = flight_seeds(configuration.settings.seed, Stream.DEMONSTRATION, 0, TOLD_IN_SIMULATORS if is_slow(world) else TOLD)
+    flights, scores = Objective(configuration.scenario, world).fly_recorded(np.repeat(parameters[None], len(seeds), axis=0), seeds)
     return FlightsResult(configuration.scenario, world.name, parameters, flights, scores).commonest_end() or "too few flights succeed"
 
 
