@@ -88,6 +88,9 @@ def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:
             prepare_world(scenario)
     else:
         prepare_world(scenario)
+    if isinstance(world, Stepped):
+        with progress.working(world.opening):
+            world.open(scenario)
 
 
 def read_parameters(path: Path, scenario: Scenario, progress: Progress) -> Parameters:

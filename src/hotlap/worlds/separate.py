@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.errors import HotlapError
 from hotlap.system.blas_threads import one_thread_each
 from hotlap.worlds.simulator import Simulator, SimulatorError, Start
 
@@ -26,6 +29,7 @@ class Separate:
     Args:
         opened: makes the simulator there; a function or class of a module, so that the process can find it.
         arguments: of `opened`.
+        environment: variables of its environment, beside ours.
 
     Attributes:
         lanes, step, scales_thrust: the simulator's.
@@ -34,11 +38,11 @@ class Separate:
         SimulatorError: it cannot be opened, or is lost later on.
     """
 
-    def __init__(self, opened: Callable[..., Simulator], *arguments: Any) -> None:
+    def __init__(self, opened: Callable[..., Simulator], *arguments: Any, environment: Mapping[str, str] = MappingProxyType({})) -> None:
         context = multiprocessing.get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs, opened, arguments), daemon=True)
-        with one_thread_each():
+        with one_thread_each(), _variables(environment):
             self._process.start()
         theirs.close()
         self._seen: tuple[Floats, Floats] = (np.empty((0, 13)), np.empty((0, 4)))
@@ -86,6 +90,21 @@ class Separate:
         return answer
 
 
+@contextmanager
+def _variables(environment: Mapping[str, str]) -> Iterator[None]:
+    """Processes that are started within it have these variables in their environment."""
+    before = {name: os.environ.get(name) for name in environment}
+    os.environ.update(environment)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
 def _serve(pipe: Connection, opened: Callable[..., Simulator], arguments: tuple[Any, ...]) -> None:
     """Do what is asked over a pipe until its other end is closed; Ctrl-C is left to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -100,4 +119,4 @@ def _serve(pipe: Connection, opened: Callable[..., Simulator], arguments: tuple[
         except (EOFError, OSError):
             raise
         except Exception as error:  # noqa: BLE001  whatever it was, the parent hears of it
-            pipe.send(error if isinstance(error, SimulatorError) else SimulatorError(f"{type(error).__name__}: {error}"))
+            pipe.send(error if isinstance(error, HotlapError) else SimulatorError(f"{type(error).__name__}: {error}"))
