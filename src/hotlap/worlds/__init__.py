@@ -5,7 +5,8 @@ A name is `built-in`, that of a simulator, or `my_module.MySimulator` for one's 
 
     open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Simulator
 
-and, where opening it takes long, the words `OPENING` for what it does then. It is imported when it is asked for, so that nobody needs the packages of a simulator that is not used.
+and, where opening it takes long, the words `OPENING` for what it does then. It is imported when it is asked for, so that nobody needs the
+packages of a simulator that is not used.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from hotlap.worlds.simulator import Simulator, SimulatorError, Start
 
 Floats = NDArray[np.float64]
 
-TIMEOUT = 120.0  # s that an answer may take: opening imports what it needs
+OPENING, TIMEOUT = 900.0, 120.0  # s that an answer may take; opening imports and compiles what it needs
 
 
 class Separate:
@@ -46,7 +46,7 @@ class Separate:
             self._process.start()
         theirs.close()
         self._seen: tuple[Floats, Floats] = (np.empty((0, 13)), np.empty((0, 4)))
-        self.lanes, self.step, self.scales_thrust = self._answer()
+        self.lanes, self.step, self.scales_thrust = self._answer(OPENING)
 
     def reset(self, lane: int, start: Start) -> None:
         """Place a drone."""
@@ -77,10 +77,10 @@ class Separate:
             raise SimulatorError("the simulator's process has ended") from error
         return self._answer()
 
-    def _answer(self) -> Any:
+    def _answer(self, timeout: float = TIMEOUT) -> Any:
         try:
-            if not self._pipe.poll(TIMEOUT):
-                raise SimulatorError(f"the simulator's process has not answered for {TIMEOUT:g} s")
+            if not self._pipe.poll(timeout):
+                raise SimulatorError(f"the simulator's process has not answered for {timeout:g} s")
             answer = self._pipe.recv()
         except (EOFError, OSError) as error:
             raise SimulatorError("the simulator's process has ended") from error
