@@ -8,8 +8,10 @@ const WIDTH = 120;
 
 export function robustness(app: App): HTMLElement {
   const body = h("div", {});
+  const advice = h("div", {});
+  app.parts.advice.watch((lines) => renew(advice, lines.length ? h("h3", {}, "What to try") : null, lines.length ? h("ul", { class: "advice" }, ...lines.map((line) => h("li", {}, line))) : null));
   app.parts.robustness.watch((rows) => renew(body, rows.length ? table(rows) : "Not flown: the simulator takes no other vehicle, or the study is still running."));
-  return card("robustness", "Robustness", "Will it hold? Success rate of the tuned parameters when vehicle, wind or noise differ from those they were tuned with; whiskers: 95 % interval; ×: thrust that is there over thrust that is needed.", body);
+  return card("robustness", "Robustness", "Will it hold? Success rate of the tuned parameters when vehicle, wind or noise differ from those they were tuned with; whiskers: 95 % interval; ×: thrust that is there over thrust that is needed.", body, advice);
 }
 
 function table(rows: readonly Robustness[]): HTMLElement {
@@ -25,10 +27,9 @@ function group(rows: readonly Robustness[], title = ""): HTMLElement {
   return h("tbody", {}, ...head, ...rows.flatMap((row) => [line(row), ...row.causes.map(why)]));
 }
 
-/** A cause of the failures above it, with what to try. */
+/** A cause of the failures above it. */
 function why(cause: Cause): HTMLElement {
-  const proof = cause.tried && `${cause.supposed ? `${cause.supposed}, ` : ""}${cause.tried.successes} of ${cause.tried.flights} flights hold`;
-  return h("tr", { class: "why" }, h("td", { colspan: "4" }, h("b", {}, cause.cause), `: ${cause.found}; ${cause.advice}`, h("span", { class: "quiet" }, proof ? ` (${proof})` : "")));
+  return h("tr", { class: "why" }, h("td", { colspan: "4" }, h("b", {}, cause.cause), `: ${cause.found}`));
 }
 
 /** What is left of the thrust; never rounded up. */

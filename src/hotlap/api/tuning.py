@@ -3,16 +3,50 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from hotlap.api.asked import Asked
 from hotlap.core.success_rate import RELIABILITY
 from hotlap.reference.segmentation_rule import SegmentationRule
+from hotlap.tuning.goal_forms import LAP_TIME
 
 if TYPE_CHECKING:
+    from hotlap.api.fastest import FastestResult
+    from hotlap.api.front import FrontResult
     from hotlap.api.progress import Progress
     from hotlap.api.tuned import TuningResult
     from hotlap.race.race import Race
+
+
+@overload
+def tune(race: Race | str | Path, *, goal: Literal["lap_time"], **others: Any) -> FastestResult | FrontResult: ...
+
+
+@overload
+def tune(
+    race: Race | str | Path,
+    *,
+    tuner: str = "gate_gp",
+    goal: str = "completion=1",
+    budget: int = 200,
+    seed: int = 0,
+    out: str | Path | None = None,
+    reference: str | Path | None = None,
+    segments: str = SegmentationRule.PAPER,
+    first_guess: str | None = None,
+    controller: str | None = None,
+    on: str = "built-in",
+    randomise: float = 0.0,
+    samples: int = 0,
+    confirm: int = 10,
+    validation: int = 200,
+    reliability: float = RELIABILITY,
+    batch: int = 8,
+    selection: int = 2000,
+    minutes: float = 0.0,
+    hold: str = "",
+    progress: Progress | None = None,
+) -> TuningResult: ...
 
 
 def tune(
@@ -39,7 +73,7 @@ def tune(
     minutes: float = 0.0,
     hold: str = "",
     progress: Progress | None = None,
-) -> TuningResult:
+) -> TuningResult | FastestResult | FrontResult:
     """Plan a race, tune its controller, confirm and validate the result, and write a page about it: all that `hotlap tune` does.
 
     Args:
@@ -67,13 +101,19 @@ def tune(
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:
-        How it ended, also where the goal was not confirmed; everything that it found lies in the folder of the study.
+        How it ended, also where the goal was not confirmed; everything that it found lies in the folder of the study. For the goal lap_time
+        a `FastestResult`, the fastest plan that can be flown; with hold a `FrontResult`, the fastest that holds under these conditions, and
+        lap time against what it stands.
 
     Raises:
         InputError: something that was given is not usable.
         PlanningError: the race has no plan.
     """
     asked = Asked(tune, locals())
+    if goal.strip() == LAP_TIME:
+        from hotlap.api import fastest  # noqa: PLC0415  the search for plans is work of its own
+
+        return fastest.carry_out(asked, tune)
     from hotlap.api.tuned import carry_out  # noqa: PLC0415  it loads what flies
 
     return carry_out(asked)
