@@ -1,4 +1,4 @@
-"""Detailed plants have the rotors, mixers and rate loops that the file says, and fly as the plain plant where it says no more."""
+"""Detailed plants have the rotors, mixers and rate loops of a quadrotor's file, and fly as the plain plant where it says no more."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_scaling_gives_thrust_away_at_the_top_and_gains_it_at_the_bottom():
     assert_allclose(top, wanted.thrusts / wanted.thrusts.max(), rtol=1e-9)
     bottom = asked(scaling, 0.06, 3.0, 0, 0)
     assert bottom.min() == pytest.approx(0.0, abs=1e-12)
-    assert bottom.mean() > 0.1
+    assert bottom.mean() > 0.065
     assert np.ptp(bottom) == pytest.approx(np.ptp(asked(QUICK, 0.5, 3.0, 0, 0)))
     assert_allclose(asked(scaling, 0.98 * LEAST_THROTTLE, 2.0, 0, 0), 0.98 * LEAST_THROTTLE, atol=1e-9)
 

@@ -5,6 +5,7 @@ import { card, h, renew, s } from "../dom";
 import { interval, percent } from "../format";
 
 const WIDTH = 120;
+const LONG = 20; // characters of a condition, beyond which it has a line of its own
 
 export function robustness(app: App): HTMLElement {
   const body = h("div", {});
@@ -24,7 +25,7 @@ function table(rows: readonly Robustness[]): HTMLElement {
 
 function group(rows: readonly Robustness[], title = ""): HTMLElement {
   const head = title && rows.length ? [h("tr", {}, h("th", { scope: "rowgroup", colspan: "4", class: "quiet" }, title))] : [];
-  return h("tbody", {}, ...head, ...rows.flatMap((row) => [line(row), ...row.causes.map(why)]));
+  return h("tbody", {}, ...head, ...rows.flatMap((row) => [...line(row), ...row.causes.map(why)]));
 }
 
 /** A cause of the failures above it. */
@@ -39,15 +40,18 @@ function left(margin: Margin | null): HTMLElement {
   return h("td", { class: "number", title: `thrust that is there over thrust that is needed, ${margin.place}` }, h("span", { class: margin.thrust < 1 ? "bad" : "quiet" }, `${figure} ×`));
 }
 
-function line(row: Robustness): HTMLElement {
-  return h(
+function line(row: Robustness): HTMLElement[] {
+  const long = row.change.length > LONG;
+  const name = h("th", { scope: "row", colspan: long ? "4" : null }, row.change);
+  const figures = h(
     "tr",
     {},
-    h("th", { scope: "row" }, row.change),
+    long ? h("td", {}) : name,
     h("td", { class: "number" }, h("b", { class: row.rate < 0.5 ? "bad" : "" }, percent(row.rate)), h("span", { class: "quiet" }, ` ${row.successes} of ${row.flights}`)),
     h("td", {}, rateBar(row)),
     left(row.margin),
   );
+  return long ? [h("tr", { class: "long" }, name), figures] : [figures];
 }
 
 /** A success rate as a dot on a line from 0 to 1, with its interval. */

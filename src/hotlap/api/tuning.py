@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Literal, overload
 
 from hotlap.api.asked import Asked
 from hotlap.core.success_rate import RELIABILITY
@@ -19,7 +19,21 @@ if TYPE_CHECKING:
 
 
 @overload
-def tune(race: Race | str | Path, *, goal: Literal["lap_time"], **others: Any) -> FastestResult | FrontResult: ...
+def tune(  # pyright: ignore[reportOverlappingOverload]  the narrower one goes first
+    race: Race | str | Path,
+    *,
+    tuner: str = "gate_gp",
+    goal: Literal["lap_time"],
+    budget: int = 200,
+    seed: int = 0,
+    out: str | Path | None = None,
+    controller: str | None = None,
+    confirm: int = 10,
+    validation: int = 200,
+    batch: int = 8,
+    hold: str = "",
+    progress: Progress | None = None,
+) -> FastestResult | FrontResult: ...
 
 
 @overload
@@ -62,7 +76,6 @@ def tune(
     first_guess: str | None = None,
     controller: str | None = None,
     on: str = "built-in",
-    instances: int = 1,
     randomise: float = 0.0,
     samples: int = 0,
     confirm: int = 10,
@@ -88,7 +101,6 @@ def tune(
         first_guess: what to begin with; None: learned, on plans with full dynamics that or default, whichever flies better.
         controller: which one flies; None: the race's.
         on: where to fly.
-        instances: simulators that fly side by side, where that is a simulator.
         randomise: fly vehicles whose parameters differ from the race's by up to this share.
         samples: flights of each candidate, all to succeed; 0: 1, randomised 4, with minutes 8.
         confirm: re-flights that a candidate must pass (the paper's: 4).

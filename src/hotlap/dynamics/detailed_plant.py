@@ -67,9 +67,10 @@ def _asked_in_torques(
     torque = wanted - vehicle["torque_damping"] * (present - gyroscopic)
     if mixer is Mixer.BETAFLIGHT:
         torque = _between(-autopilot["torque_limits"], torque, autopilot["torque_limits"])
+    least, largest = vehicle["rotor_thrust"][0], vehicle["rotor_thrust"][1]
     push = autopilot["mass"] * command[0]
     share = push / (speeds.numel() * autopilot["largest"])
-    return mix(mixer, to_rotors[:, 0] * push, to_rotors[:, 1:] @ torque, *ca.vertsplit(vehicle["rotor_thrust"]), share)
+    return mix(mixer, to_rotors[:, 0] * push, to_rotors[:, 1:] @ torque, least, largest, share)
 
 
 def _asked_in_signals(

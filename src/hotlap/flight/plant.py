@@ -47,13 +47,14 @@ def vehicle_numbers(vehicle_parameters: Floats, layout: RotorLayout) -> Floats:
 def motor_shares(motor_time: Floats, step: float) -> Floats:
     """Share of the way to its command that a rotor goes in a step [s], of motor times [s]; a motor time of 0 follows at once."""
     with np.errstate(divide="ignore"):
-        return 1 - np.exp(-step / motor_time)
+        return np.asarray(1 - np.exp(-step / motor_time), dtype=np.float64)
 
 
 def rotor_mixer(control_model: Quadrotor) -> Floats:
     """Rotor thrusts of least size that make a collective thrust and torques, shape (n, 4)."""
-    wanted = np.vstack([np.ones(control_model.rotor_count), control_model.torque_matrix])
-    return np.linalg.inv(wanted) if control_model.rotor_count == 4 else np.linalg.pinv(wanted)
+    made = np.vstack([np.ones(control_model.rotor_count), control_model.torque_matrix])
+    mixer = np.linalg.inv(made) if control_model.rotor_count == 4 else np.linalg.pinv(made)
+    return np.asarray(mixer, dtype=np.float64)
 
 
 def autopilot_numbers(control_model: Quadrotor) -> Floats:

@@ -19,6 +19,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from io import BytesIO
+from typing import Any
 
 import numpy as np
 from numba.core.errors import NumbaError
@@ -233,7 +234,8 @@ def detailed_drone(plant: str) -> Quadrotor:
     mixer, pid, rotors = detailed_kind(plant)
     angles = 2 * math.pi * (np.arange(rotors) + 0.4) / rotors
     listed = [(DRONE.arm * math.cos(angle), DRONE.arm * math.sin(angle), (-1.0) ** k) for k, angle in enumerate(angles)]
-    loop = RateLoop(p=(0.06, 0.06, 0.1), i=(0.3,) * 3, d=(3e-4,) * 3, d_cutoff=60.0, limit=LIMITS, output=Output.SPEED, idle=0.05)
+    gains: dict[str, Any] = {"p": (0.06, 0.06, 0.1), "i": (0.3, 0.3, 0.3), "d": (3e-4, 3e-4, 3e-4), "d_cutoff": 60.0}
+    loop = RateLoop(**gains, limit=LIMITS, output=Output.SPEED, idle=0.05)
     more = {
         "rotors": tuple(listed),
         "rotor_thrust": (0.0, 4 * DRONE.rotor_thrust[1] / rotors),
