@@ -97,6 +97,7 @@ class Server:
         self.stamp, self._steps, self._continued, self._moves = 1_700_000_000_000_000_000, 0, 0, 0
         self.controlled = self._armed = self.paused = self._placed = False
         self._move: Move | None = None
+        self._more = False
         self._goal, self._goal_stamp, self._stuck = np.zeros(4), 0, None
         self._threads[0].start()
         return self
@@ -128,8 +129,10 @@ class Server:
         with suppress(OSError, ValueError):
             while data := connection.recv(65536):
                 unpacker.feed(data)
-                for _, number, method, arguments in unpacker:
+                requests = list(unpacker)
+                for k, (_, number, method, arguments) in enumerate(requests, 1):
                     with self._lock:
+                        self._more = k < len(requests)
                         self._take(connection, number, method, arguments)
                     if self._moves == self.cut_at:
                         self._moves += 1
@@ -252,12 +255,11 @@ class Server:
         self.thrusts.append(newtons)
         if before is None:
             return
-        if self._moves in self.loses_cancel:
-            self._stuck = before
-            return
-        if select.select([connection], [], [], QUICK)[0]:
-            self.violations.append("a call before the reply to the replaced move")
-        self._end(before, False)
+        early = self._more or select.select([connection], [], [], QUICK)[0]
+        if early or self._moves in self.loses_cancel:
+            self._stuck = before  # what comes now must be to cancel it
+        else:
+            self._end(before, False)
 
     def _cancel(self) -> None:
         if self._stuck:
