@@ -44,7 +44,7 @@ def module(monkeypatch):
 
 
 def opened(module, vehicle=VEHICLE):
-    return open_simulator(make_scenario(vehicle.model_dump()), 0, module.__name__)
+    return open_simulator(make_scenario(vehicle.model_dump(), model=vehicle.model_dump()), 0, module.__name__)
 
 
 def at(height: float) -> Start:
