@@ -34,7 +34,7 @@ QUICKEST = {"table3", "landscape"}  # one that compares tuners, and one that fli
 @pytest.fixture
 def firmware(monkeypatch):
     """The built-in world's plant in the place of Betaflight."""
-    monkeypatch.setattr(worlds, "build", lambda name: Stepped(name, lambda scenario, number: Own(scenario, number)))
+    monkeypatch.setattr(worlds, "build", lambda name: Stepped(name, Own))
 
 
 @pytest.mark.usefixtures("firmware")
