@@ -1,6 +1,6 @@
 """Does home predict abroad? Success in the built-in world against success elsewhere: python benchmarks/abroad.py --help
 
-Each race is tuned at home by the default tuner, once with its vehicle as the race has it and, where `--vehicle` describes what a world makes
+Each race is tuned at home by the default tuner, once with its vehicle as the race has it and, where `--vehicle` says what a world makes
 of that vehicle, once with the description: plan, controller and what it knows stay the same. The default weights and the tuned ones are
 flown at home and in the other world, with the same noise, which no search has used. A description is a TOML file with keys of a quadrotor
 that differ (mixer, rate_loop, rate_delay, motor_time, ...): `--vehicle betaflight=FILE` for all races of a world, or

@@ -223,7 +223,7 @@ def test_the_command_prints_the_same(study, monkeypatch, capsys):
     monkeypatch.setattr(worlds, "build", lambda name: Counted() if name == "plant" else worlds.BuiltIn())
     assert main(["transfer", str(study), "--to", "plant"]) == 0
     told = capsys.readouterr()
-    assert re.search(r"plant +tuned +\d of 3 +\d\.\d\d / \d\.\d\d / \d\.\d\d ", told.out)
+    assert re.search(r"plant +tuned +3 of 3 +0\.\d+ / 0\.\d+ / 0\.\d+ ", told.out)
     assert "plant: tuned against default, mean error" in told.out
     assert "12 of 12 flights, now plant: tuned, " in told.err
     command = f"hotlap transfer {study} --to plant"
