@@ -86,7 +86,8 @@ def _draw_box(axes: Axes, row: TransferRow, place: float, width: float, top: flo
         capprops=line,
     )
     at, shift, side = (place + width / 2, 3, "left") if right else (place - width / 2, -3, "right")
-    axes.annotate(metres(middle), (at, middle), (shift, 0), textcoords="offset points", fontsize=SMALL, color=INK, va="center", ha=side)
+    told, height = (metres(middle), middle) if middle <= top else (f"median\n{metres(middle)}", 0.92 * top)
+    axes.annotate(told, (at, height), (shift, 0), textcoords="offset points", fontsize=SMALL, color=INK, va="center", ha=side)
     largest = float(errors.max())
     axes.plot(place, min(largest, 0.98 * top), marker="^", markersize=4, color=colour, clip_on=False)
     if largest > top:
