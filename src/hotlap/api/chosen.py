@@ -19,6 +19,7 @@ from hotlap.analysis.robustness import HELD, fly_conditions
 from hotlap.api.asked import Asked
 from hotlap.api.flown import FlightsResult
 from hotlap.api.scenarios import make_ready
+from hotlap.api.slow_flights import followed
 from hotlap.api.wording import percent
 from hotlap.core.counts import count
 from hotlap.core.errors import PlanningError
@@ -35,7 +36,7 @@ from hotlap.tuning.goal import Quantity
 from hotlap.tuning.loop import Batch, TuningSettings
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
-from hotlap.worlds.world import World
+from hotlap.worlds.world import World, is_slow
 
 PLANS = "plans"  # folder of the studies of all plans, within that of the race
 CALMER = 0.97  # of a share of the thrust, for a plan to be called calmer
@@ -43,7 +44,7 @@ PARTS = 4  # of the budget, and of the minutes: what one plan may take at most
 FEWEST = 20  # flights of a plan beside its re-flights
 PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
 UNSEEN = 300_000  # first of the flights that tell whether parameters hold: nothing was chosen by their noise
-TOLD = 50  # flights that tell how a plan fails
+TOLD, TOLD_IN_SIMULATORS = 50, 10  # flights that tell how a plan fails
 
 Configure = Callable[[Race, TuningSettings], Configuration]
 
@@ -165,7 +166,10 @@ class PlanChoice:
             before = study.result
             if before is not None and _is_hopeless(before.flights, before.best):
                 raise _Hopeless
-            with self.asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch:
+            with (
+                self.asked.progress.flights(configuration.settings.budget, before.flights if before else 0) as watch,
+                followed(self.world, watch),
+            ):
                 study.run(objective, _patient(watch))
         with Study.read(self.folder / PLANS / _name(share)) as study:
             return self._judge(share, study)
@@ -218,8 +222,8 @@ def _is_hopeless(flights: int, best: Candidate) -> bool:
 
 def _how_it_ends(configuration: Configuration, world: World, parameters: Parameters) -> str:
     """How most flights end that do not pass all gates: "31 of 50 flights missed gate 3"."""
-    seeds = flight_seeds(configuration.settings.seed, Stream.DEMONSTRATION, 0, TOLD)
-    flights, scores = Objective(configuration.scenario, world).fly_recorded(np.repeat(parameters[None], TOLD, axis=0), seeds)
+    seeds = flight_seeds(configuration.settings.seed, Stream.DEMONSTRATION, 0, TOLD_IN_SIMULATORS if is_slow(world) else TOLD)
+    flights, scores = Objective(configuration.scenario, world).fly_recorded(np.repeat(parameters[None], len(seeds), axis=0), seeds)
     return FlightsResult(configuration.scenario, world.name, parameters, flights, scores).commonest_end() or "too few flights succeed"
 
 

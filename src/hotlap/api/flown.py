@@ -18,6 +18,7 @@ from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_range, check_source, check_target
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, planned_as, read_guess, read_parameters
+from hotlap.api.slow_flights import flying
 from hotlap.api.wording import percent, share
 from hotlap.core.counts import count
 from hotlap.core.parameters import Parameters
@@ -161,7 +162,8 @@ def carry_out(asked: Asked) -> FlightsResult:
     parameters = _parameters(asked, scenario)
     make_ready(world, scenario, asked.progress)
     seeds = flight_seeds(asked.seed, Stream.DEMONSTRATION, 0, asked.flights)
-    with asked.progress.working(f"flying {race.name} {asked.flights} times"):
+    words = f"flying {race.name} {asked.flights} times"
+    with flying(world, asked.flights, asked.progress, words):
         repeated = np.repeat(parameters[None], asked.flights, axis=0)
         flights, scores = Objective(scenario, world).fly_recorded(repeated, seeds, log=(0,))
         known = (asked.seed, asked.flights, scores, conditions, ())
@@ -177,7 +179,7 @@ def _why(scenario: Scenario, world: World, parameters: Parameters, flights: Flig
     if world.takes_vehicle_parameters:
         seeds, before = telling(flights.seeds, ~scores.complete), float(scores.complete.mean())
         return diagnose(scenario, world, parameters, seeds, before=before)
-    return diagnose_logs(scenario, flights, ~scores.complete)
+    return diagnose_logs(scenario, flights, ~scores.complete & (flights.cause != Cause.LOST))
 
 
 def _parameters(asked: Asked, scenario: Scenario) -> Parameters:

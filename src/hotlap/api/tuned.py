@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +21,8 @@ from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import SHARE, check_guess, load, make_ready, make_scenario, planned_as
+from hotlap.api.slow_flights import followed
+from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
@@ -45,7 +50,8 @@ from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings, scenario_for
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
-from hotlap.worlds.world import World
+from hotlap.worlds.stepped import Stepped
+from hotlap.worlds.world import World, is_slow
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,8 +59,10 @@ if TYPE_CHECKING:
     from hotlap.analysis.diagnosis import Diagnosis
     from hotlap.analysis.robustness import Robustness
 
+HOME = "home"  # folder of what was tuned in the built-in world, within that of a study
 FASTEST = ("race.toml", Journal.file)  # written by the search for the fastest plan, which may not have ended
 NUMBERS = ("budget", "seed", "confirm", "validation", "reliability", "batch", "randomise", "samples", "selection", "minutes")
+IN_SIMULATORS = {"validation": 20, "selection": 100}  # where a flight takes seconds
 POPULATION = 32  # candidates that are flown at once where time is counted
 
 
@@ -174,17 +182,26 @@ class TuningResult(Outcome):
             return draw_convergence(read_snapshot(study))
 
 
-def carry_out(asked: Asked) -> TuningResult:
-    """Tune from wherever the study stands, and keep what came of it."""
+def carry_out(asked: Asked, *, at_home: bool = False) -> TuningResult:
+    """Tune from wherever the study stands, and keep what came of it.
+
+    Args:
+        asked: the arguments.
+        at_home: in the built-in world, for another tuning to begin at: no page, and no advice.
+    """
     begun = time.perf_counter()
     job = _check(asked)
     folder, plans, chosen = as_path(asked.out), (), False
+    if isinstance(job.world, Stepped) and asked.first_guess is None:
+        folder = folder or new_folder(job.race.name)
+        with asked.remarked("go on", out=folder):
+            job = _begun_at_home(job, folder)
     if folder is not None and (folder / FILE).exists():
         configuration, plans = _go_on(job, folder)
-    elif leaves_open(job.race, job.settings, asked):
+    elif leaves_open(job.race, job.settings, job.asked):
         folder, chosen = folder or new_folder(job.race.name), True
         with asked.remarked("go on", out=folder):
-            configuration, plans = choose_plan(job.race, job.world, job.settings, job.configuration, folder, asked)
+            configuration, plans = choose_plan(job.race, job.world, job.settings, job.configuration, folder, job.asked)
     else:
         with asked.remarked("begin again"):
             configuration = job.configuration(job.race, job.settings)
@@ -198,12 +215,12 @@ def carry_out(asked: Asked) -> TuningResult:
         result = _tune(study, job.world, asked, begun=chosen)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
-        robustness, report = _report(study, job.world, asked)
+        robustness, report = ((), None) if at_home else _report(study, job.world, asked)
         guess = begun_with(study.configuration, study.flights())
     waited, again = before + time.perf_counter() - begun, _again(asked, folder)
     scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
     hints = advice(scenario.race, scenario.reference) if told else ()
-    if not (chosen or plans or result.best.confirmed or result.goal == Quantity.NONE):
+    if not (at_home or chosen or plans or result.best.confirmed or result.goal == Quantity.NONE):
         hints += advise_calmer(job.race, job.world, job.settings, job.configuration, folder, asked)
     return TuningResult(scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans)
 
@@ -216,8 +233,45 @@ def _go_on(job: _Job, folder: Path) -> tuple[Configuration, tuple[TriedPlan, ...
         others = sum(plan.flights for plan in plans if plan.share != share)
         minutes = minutes_each(settings) if plans else settings.minutes
         settings = replace(settings, budget=max(settings.budget - others, 1), minutes=minutes)
+    if isinstance(job.world, Stepped) and settings.batch == TuningSettings().batch:
+        with Study.read(folder) as study:
+            job = replace(job, batch=study.configuration.settings.batch)
     with job.asked.remarked("begin again"):
         return job.configuration(race, settings), plans
+
+
+def _begun_at_home(job: _Job, folder: Path) -> _Job:
+    """The same job for a simulator, which begins at what was tuned in the built-in world, in a folder beside its flights."""
+    asked, place = job.asked, folder / HOME
+    if not (place / PARAMETERS_FILE).exists():
+        _open_early(job)
+        tuned = carry_out(_asked_at_home(asked, place), at_home=True)
+        asked.progress.note(f"note: tuned in the built-in world first, in {seconds(tuned.wall_time, 0)}: {tuned.verdict}; begins there")
+    told = Asked(tune, {**{name: getattr(asked, name) for name in inspect.signature(tune).parameters}, "first_guess": place})
+    return replace(job, asked=told, race=planned_as(job.race, place))
+
+
+def _open_early(job: _Job) -> None:
+    """Open a simulator before anything takes its time, so that one that cannot be opened is known at once."""
+    assert isinstance(job.world, Stepped)  # noqa: S101  our own mistake
+    quiet = Asked(tune, {**vars(job.asked), "progress": None})
+    job.world.capacity(make_scenario(job.race, quiet))
+
+
+def _asked_at_home(asked: Asked, folder: Path) -> Asked:
+    """What is asked of the built-in world: what decides about the controller, in as many flights as are usual there."""
+    same = ("race", "tuner", "goal", "seed", "reference", "segments", "controller", "confirm", "reliability", "progress")
+    usual = {name: parameter.default for name, parameter in inspect.signature(tune).parameters.items()}
+    return _AtHome(tune, {**usual, **{name: getattr(asked, name) for name in same}, "out": folder})
+
+
+class _AtHome(Asked):
+    """Asked by another tuning, which says how to go on."""
+
+    @contextmanager
+    def remarked(self, does: str, **changed: Any) -> Iterator[None]:  # noqa: ARG002
+        """Nothing."""
+        yield
 
 
 @dataclass(frozen=True)
@@ -230,6 +284,7 @@ class _Job:
         world: where it is flown.
         tuner: not yet started.
         settings: of the tuning.
+        batch: candidates that a simulator flies at once; 0: as many as it has lanes.
     """
 
     asked: Asked
@@ -237,10 +292,13 @@ class _Job:
     world: World
     tuner: Tuner
     settings: TuningSettings
+    batch: int = 0
 
     def configuration(self, race: Race, settings: TuningSettings) -> Configuration:
         """Plan a race, or read its reference, and see where the search begins."""
         scenario = scenario_for(make_scenario(race, self.asked), self.tuner)
+        if isinstance(self.world, Stepped) and settings.batch == TuningSettings().batch:
+            settings = replace(settings, batch=self.batch or self.world.capacity(scenario))
         name, first, rival = begin(self.asked, scenario)
         told = (scenario, self.world.name, settings.goal.metric, self.tuner.name, settings, first)
         return Configuration(*told, first_guess_name=name, rival=rival)
@@ -248,8 +306,8 @@ class _Job:
 
 def _check(asked: Asked) -> _Job:
     """Check everything that was asked for, the quick things first."""
-    settings = _settings(asked)
     tuner, world = tuners.build(asked.tuner), worlds.build(asked.on, asked.instances)
+    settings = _settings(asked, world)
     if asked.randomise and not world.takes_vehicle_parameters:
         raise InputError("", "randomise", f"{world.name} flies the vehicle that it has")
     check_source(as_path(asked.reference))
@@ -263,9 +321,19 @@ def _check(asked: Asked) -> _Job:
     return _Job(asked, race, world, tuner, settings)
 
 
-def _settings(asked: Asked) -> TuningSettings:
-    """The numbers that were asked for; where time is counted, flights are not, unless that is asked for, too."""
+def _settings(asked: Asked, world: World) -> TuningSettings:
+    """The numbers that were asked for; where time is counted, flights are not, unless that is asked for, too.
+
+    Where a flight takes seconds, fewer flights validate and choose the result, unless other numbers are asked for.
+    """
     settings = TuningSettings(goal=_goal(asked.goal), **{name: getattr(asked, name) for name in NUMBERS})
+    usual = inspect.signature(tune).parameters
+    fewer = {name: few for name, few in IN_SIMULATORS.items() if is_slow(world) and getattr(settings, name) == usual[name].default}
+    if fewer:
+        settings = replace(settings, **fewer)
+        words = {"validation": "validated", "selection": "chosen where none is confirmed"}
+        told = ", ".join(f"{words[name]} by {few} flights (--{name})" for name, few in fewer.items())
+        asked.progress.note(f"note: flights of {world.name} take their time, so the result is {told}")
     if not settings.minutes:
         return settings
     plain = TuningSettings()
@@ -304,7 +372,7 @@ def _tune(study: Study, world: World, asked: Asked, *, begun: bool) -> Result:
             asked.progress.note(f"note: {doom}")
     objective = Objective(configuration.scenario, world, configuration.metric, configuration.settings.randomise)
     budget, flown, seconds = configuration.settings.budget, before.flights if before else 0, 60 * configuration.settings.minutes
-    with asked.progress.flights(budget, flown, seconds, before.wall_time if before else 0.0) as watch:
+    with asked.progress.flights(budget, flown, seconds, before.wall_time if before else 0.0) as watch, followed(world, watch):
         result = study.run(objective, watch)
     if told := describe_beginning(configuration, study.flights()) if begun or before is None else "":
         asked.progress.note(f"note: {told}")

@@ -51,17 +51,20 @@ def tune(
         out: folder of the study, begun or gone on with; None: runs/RACE-DATE, new.
         reference: read this CSV instead of planning.
         segments: how the reference is cut.
-        first_guess: what to begin with; None: learned, on plans with full dynamics that or default, whichever flies better.
+        first_guess: what to begin with; None: learned, on plans with full dynamics that or default, whichever flies better, and in a
+            simulator what is tuned in the built-in world first.
         controller: which one flies; None: the race's.
         on: where to fly.
         instances: simulators that fly side by side, where that is a simulator.
         randomise: fly vehicles whose parameters differ from the race's by up to this share.
         samples: flights of each candidate, all to succeed; 0: 1, randomised 4, with minutes 8.
         confirm: re-flights that a candidate must pass (the paper's: 4).
-        validation: flights of the result with fresh noise, 0 for none.
+        validation: flights of the result with fresh noise, 0 for none; in a simulator 20, unless it is another number than 200.
         reliability: least share of these to succeed, 0 for any.
-        batch: most candidates to fly at once, for tuners that can; with minutes 32, unless it is another number than 8.
-        selection: flights by which the result is chosen where none was confirmed, 0: the best by its scores.
+        batch: most candidates to fly at once, for tuners that can; with minutes 32, and in a simulator as many as it flies at once,
+            unless it is another number than 8.
+        selection: flights by which the result is chosen where none was confirmed, 0: the best by its scores; in a simulator 100, unless
+            it is another number than 2000.
         minutes: of wall time for search, choice and validation, in which populations are flown; 0: flights are counted, not time.
         hold: further conditions to fly the result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
         progress: receives messages about the progress of the work; None: no messages.

@@ -18,6 +18,13 @@ def seconds(value: float, digits: int = 2) -> str:
     return f"{value:.{digits}f} s" if math.isfinite(value) else "-"
 
 
+def duration(value: float) -> str:
+    """How long something takes, roughly: 40 s, 6 min, 2.5 h."""
+    if value < 100:
+        return f"{value:.0f} s"
+    return f"{value / 60:.0f} min" if value < 100 * 60 else f"{value / 3600:.1f} h"
+
+
 def share(validation: Validation) -> str:
     """A rate with its interval: 97 % of 200 flights [94, 99]."""
     low, high = validation.interval

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from hotlap.api.rates import Pace as FlightPace
 from hotlap.api.rates import Rate
 from hotlap.api.wording import percent
 from hotlap.cli.output import Plain, note, working
@@ -42,20 +43,9 @@ def follow(budget: int, flown: int, seconds: float = 0.0, spent: float = 0.0) ->
         yield Lines(budget, flown, seconds=seconds, spent=spent)
         return
     state = TextColumn("{task.fields[state]}", markup=False)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeLeft())
     with Progress(*columns, console=console, transient=True) as progress:
-        total, done, unit = (round(seconds), round(spent), "seconds") if seconds else (budget, flown, "flights")
-        task, begun = progress.add_task(unit, total=total, completed=done, state=""), time.monotonic()
-        rate = Rate(flown)
-
-        def watch(batch: Batch) -> None:
-            """Move the bar, and report above it validations that failed."""
-            reached = min(total, round(spent + time.monotonic() - begun)) if seconds else batch.flights
-            progress.update(task, completed=reached, state=f"{describe(batch.best)}, {rate(batch.flights)}")
-            for validation in batch.failed_validations:
-                progress.console.print(describe_failure(validation), markup=False, highlight=False)
-
-        yield watch
+        yield Bar(progress, budget, flown, seconds, spent)
 
 
 @contextmanager
@@ -144,6 +134,45 @@ class Terminal:
 TERMINAL = Terminal()
 
 
+class Bar:
+    """The bar of a search.
+
+    Args:
+        progress: that shows it.
+        budget, flown, seconds, spent: as of `follow`.
+    """
+
+    def __init__(self, progress: Progress, budget: int, flown: int, seconds: float, spent: float) -> None:
+        self._progress, self._budget, self._reached, self._seconds, self._spent = progress, budget, flown, seconds, spent
+        self._total, done, unit = (round(seconds), round(spent), "seconds") if seconds else (budget, flown, "flights")
+        self._task, self._begun = progress.add_task(unit, total=self._total, completed=done, state="", left=""), time.monotonic()
+        self._rate, self._pace, self._best = Rate(flown), FlightPace(), ""
+
+    def __call__(self, batch: Batch) -> None:
+        """Move the bar, and report above it validations that failed."""
+        self._reached, self._best = batch.flights, f"{describe(batch.best)}, "
+        done = min(self._total, round(self._spent + time.monotonic() - self._begun)) if self._seconds else batch.flights
+        speed = self._pace.words(0) if self._pace.flown else self._rate(batch.flights)
+        self._progress.update(self._task, completed=done, state=f"{self._best}{speed}")
+        for validation in batch.failed_validations:
+            self._progress.console.print(describe_failure(validation), markup=False, highlight=False)
+
+    def flown(self, _ended: int) -> None:
+        """A flight of a simulator has ended; the batch that it is of goes on."""
+        self._pace.count()
+        speed = self._pace.words(0)
+        left = "" if self._seconds else self._pace.words(self._budget - self._reached, "at most ").partition(", ")[2]
+        self._progress.update(self._task, state=f"{self._best}{count_of(self._pace.flown)}, {speed}", left=left)
+
+
+class TimeLeft(TimeRemainingColumn):
+    """How long it will take, by the speed of the bar where nothing better is known."""
+
+    def render(self, task: Task) -> Text:
+        """What is known."""
+        return Text(task.fields["left"]) if task.fields["left"] else super().render(task)
+
+
 class Pace(ProgressColumn):
     """How fast pieces of work are done."""
 
@@ -206,21 +235,36 @@ class Lines:
     ) -> None:
         self._budget, self._clock, self._seconds = budget, clock, seconds
         self._rate, self._last = Rate(flown, clock), clock()
-        self._begun = self._last - spent
+        self._begun, self._pace, self._reached_flights, self._best = self._last - spent, FlightPace(clock), flown, ""
+
+    def flown(self, _ended: int) -> None:
+        """A flight of a simulator has ended; the batch that it is of goes on."""
+        self._pace.count()
+        if self._clock() - self._last >= INTERVAL:
+            self._last = self._clock()
+            left = 0 if self._seconds else self._budget - self._reached_flights
+            note(f"{self._reached(self._reached_flights)}{self._best}, {count_of(self._pace.flown)}, {self._pace.words(left, 'at most ')}")
 
     def __call__(self, batch: Batch) -> None:
         """Say how it stands, if it is time."""
+        self._reached_flights, self._best = batch.flights, f", best so far: {describe(batch.best)}"
         for validation in batch.failed_validations:
             note(describe_failure(validation))
         if batch.done or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
-            note(f"{self._reached(batch)}, best so far: {describe(batch.best)}, {self._rate(batch.flights)}")
+            speed = self._pace.words(0) if self._pace.flown else self._rate(batch.flights)
+            note(f"{self._reached(batch.flights)}{self._best}, {speed}")
 
-    def _reached(self, batch: Batch) -> str:
+    def _reached(self, flights: int) -> str:
         """How far it is, of what there is."""
         if not self._seconds:
-            return f"{batch.flights} of {self._budget} flights"
-        return f"{self._last - self._begun:.0f} of {self._seconds:.0f} s, {batch.flights} flights"
+            return f"{flights} of {self._budget} flights"
+        return f"{self._last - self._begun:.0f} of {self._seconds:.0f} s, {flights} flights"
+
+
+def count_of(flown: int) -> str:
+    """Flights of all kinds that were flown, re-flights and validations too."""
+    return f"{flown} flown with all re-flights"
 
 
 def describe(best: Candidate) -> str:

@@ -12,6 +12,7 @@ from hotlap.cli.flying import make_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.stopping import Stopped
 from hotlap.study.study import Study
+from hotlap.worlds.world import is_slow
 
 
 def run(options: Namespace) -> int:
@@ -19,6 +20,9 @@ def run(options: Namespace) -> int:
     check_range("port", options.port, 0, 65535)
     with Study.read(options.study) as study:
         world = worlds.build(study.configuration.world)
+        if is_slow(world):
+            note(f"note: the flights shown are of the built-in world; {world.name} flies for the study alone")
+            world = worlds.build(worlds.DEFAULT)
         make_ready(world, study.configuration.scenario)
     from hotlap.report.page.writing import LiveStudy, load_template  # noqa: PLC0415  they load the flight core
     from hotlap.report.server import Server  # noqa: PLC0415

@@ -34,6 +34,7 @@ from hotlap.tuners.tuner import remark_of
 from hotlap.tuning.loop import Batch, Tuning, tune
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.timekeeper import Timekeeper
+from hotlap.worlds.world import is_slow
 
 RUNS = Path("runs")
 
@@ -232,6 +233,7 @@ class Study:
         """
         self._check(objective)
         tuning = self.tuning
+        tuning.together = self.configuration.settings.batch if is_slow(objective.world) else 0
         keeper = Timekeeper(tuning, objective, self.wall_time)
         for batch in tune(keeper, tuning):
             self.record(batch)

@@ -98,7 +98,10 @@ class Tuning:
         validation: of the best candidate, None before it was flown.
         flights: flown so far, re-flights included, selection and validations not.
         search_flights: without re-flights, up to the confirmed candidate.
+        together: flights that take no longer than one; re-flights of a candidate end with the first of so many that fail. 0: any number.
     """
+
+    together: int = 0
 
     def __init__(
         self,
@@ -259,14 +262,19 @@ class Tuning:
     def _confirm(self, parameters: Parameters, flown: Scores) -> Generator[Request, Scores, tuple[Scores, list[Ledger]]]:
         """Fly a candidate, shape (S, K), again, as often as its confirmation and the budget ask for; returns all its flights.
 
-        The re-flights are flown together, to fill the lanes, and count as if flown one by one until the first that fails: those after
-        it are discarded, and their seeds are used again.
+        The re-flights are flown together, as many as fill the lanes, and count as if flown one by one until the first that fails: those
+        after it are discarded, and their seeds are used again.
         """
         count = min(self.settings.confirm, self.settings.budget - self.flights)
         if count <= 0:
             return flown, []
         repeated, seeds = np.repeat(parameters[None], count, axis=0), self._next_seeds(Stream.CONFIRMATION, count)
-        scores = yield Request(repeated, seeds)
+        at_once, parts = self.together or count, list[Scores]()
+        for start in range(0, count, at_once):
+            parts.append((yield Request(repeated[start : start + at_once], seeds[start : start + at_once])))
+            if not self.settings.goal.met(parts[-1]).all():
+                break
+        scores = Scores.join(parts)
         failures = np.flatnonzero(~self.settings.goal.met(scores))
         counted = slice(int(failures[0]) + 1 if len(failures) else count)
         ledger = self._enter(Stream.CONFIRMATION, repeated[counted], seeds[counted], scores.rows(counted))

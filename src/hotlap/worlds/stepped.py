@@ -44,6 +44,14 @@ class Stepped:
         self._instances = [Instance(name, open_simulator, number) for number in range(instances)]
         weakref.finalize(self, _close_all, self._instances)
 
+    def capacity(self, scenario: Scenario) -> int:
+        """Flights at once: lanes of all instances; opens the first.
+
+        Raises:
+            InputError: it cannot be opened.
+        """
+        return self._instances[0].simulator(scenario)[0].lanes * self.instances
+
     def needs_compiling(self, scenario: Scenario) -> bool:
         """Whether the controller must be compiled before the next flight."""
         from hotlap.flight.one_flight import needs_compiling  # noqa: PLC0415  the flight core loads a compiler

@@ -23,11 +23,12 @@ from hotlap.report.effort import Effort, effort_of
 from hotlap.report.scene import Scene, repeat, stage, trace
 from hotlap.study.configuration import Configuration
 from hotlap.tuning.scoring import score
-from hotlap.worlds.world import World
+from hotlap.worlds.world import World, is_slow
 
 BEST, FIRST, DEFAULT = "best", "first guess", "default"
 FLIGHTS = 50  # of each set of parameters
 WHILE_RUNNING = 12  # the same while the search runs, which needs the processors
+IN_SIMULATORS = 5  # the same where a flight takes seconds
 SLOW = 0.05  # s of computing time for a flight, above which robustness and sensitivity are left out
 
 
@@ -116,10 +117,11 @@ def replay_finished(
         hold: conditions that were asked for; they are flown wherever the world can.
     """
     scenario, settings = _judged(configuration.scenario), configuration.settings
-    sets, seeds = choose(scenario, configuration.first_guess, best), _seeds(configuration, FLIGHTS)
+    flights = IN_SIMULATORS if is_slow(world) else FLIGHTS
+    sets, seeds = choose(scenario, configuration.first_guess, best), _seeds(configuration, flights)
     before = time.perf_counter()
     flown = _fly(scenario, world, sets, seeds)
-    slow = time.perf_counter() - before > SLOW * len(flown)
+    slow = is_slow(world) or time.perf_counter() - before > SLOW * len(flown)
     checked: tuple[Robustness, ...] = ()
     asked = parse_hold(hold)
     if world.takes_vehicle_parameters and (asked or (not slow if robustness is None else robustness)):
