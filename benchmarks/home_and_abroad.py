@@ -1,11 +1,11 @@
-"""Does home predict abroad? Success in the built-in world against success elsewhere: python benchmarks/abroad.py --help
+"""Does home predict abroad? Success in the built-in world against success elsewhere: python benchmarks/home_and_abroad.py --help
 
 Each race is tuned at home by the default tuner, once with its vehicle as the race has it and, where `--vehicle` says what a world makes
 of that vehicle, once with the description: plan, controller and what it knows stay the same. The default weights and the tuned ones are
 flown at home and in the other world, with the same noise, which no search has used. A description is a TOML file with keys of a quadrotor
 that differ (mixer, rate_loop, rate_delay, motor_time, ...): `--vehicle betaflight=FILE` for all races of a world, or
 `--vehicle betaflight/split-s=FILE` for one. Flights are kept in `--out`; the same command continues. To try it without another simulator:
-python benchmarks/abroad.py --pairs circle-34@abroad.Plant --flights 10
+python benchmarks/home_and_abroad.py --pairs circle-34@home_and_abroad.Plant --flights 10
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ PLAIN, DESCRIBED = "as it was", "as it is"
 
 
 class Plant(PlantSimulator):
-    """The built-in world's plant, for `RACE@abroad.Plant`: home must predict it."""
+    """The built-in world's plant, for `RACE@home_and_abroad.Plant`: home must predict it."""
 
     def __init__(self, scenario: Scenario, instance: int, argument: str = "") -> None:
         del instance, argument
@@ -225,7 +225,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--vehicle", action="append", type=_description, default=[], metavar="WORLD[/RACE]=FILE")
     parser.add_argument("--flights", type=int, default=50)
     parser.add_argument("--instances", type=int, default=1)
-    parser.add_argument("--out", type=Path, default=Path("build/abroad"))
+    parser.add_argument("--out", type=Path, default=Path("build/home_and_abroad"))
     options = parser.parse_args(arguments)
     rows = []
     with Journal.opened(options.out, digest_code(Path(__file__))) as kept:
