@@ -18,6 +18,7 @@ SAYS = {
     "own_controller": "mean error: ",
     "own_cost": "tuned: passes all gates in ",
     "own_drone": "unknown latency",
+    "own_simulator": "own_simulator.MySimulator:0.06 flies: 100 %",
     "own_track": "planned: ",
     "own_tuner": "own_tuner.Hill:bold  confirmed: ",
     "quickstart": "<TuningResult circle-34: completion=1 confirmed",
