@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hotlap.api.rates import Flown, Rate
-from hotlap.api.wording import percent
+from hotlap.api.rates import Flown, Pace, Rate
+from hotlap.api.wording import duration, percent
 from hotlap.cli.output import finite, table, working
-from hotlap.cli.progress import Lines, Tally, describe, follow_pieces, follow_stages, pace
+from hotlap.cli.progress import Lines, Tally, describe, follow, follow_pieces, follow_stages, pace
 from hotlap.core.success_rate import Validation
 from hotlap.tuning.candidate import Candidate
 
@@ -117,3 +117,40 @@ def test_what_has_no_end_in_sight_gets_a_clock(monkeypatch, capsys):
     with working("planning [x]"):
         pass
     assert "planning [x] ..." in capsys.readouterr().err
+
+
+def test_flights_of_simulators_are_counted_one_by_one_within_a_batch(capsys):
+    """The first waits for its simulator for 10 s; each of the others takes 2 s. A failed validation counts as time, not as progress."""
+    clock = Clock()
+    lines = Lines(40, 4, clock)
+    for clock.now in (10.0, 12.0, 14.0, 16.0, 18.0, 20.0):
+        lines.flown(1)
+    lines(SimpleNamespace(flights=6, best=candidate(), failed_validations=(), done=False))  # pyright: ignore[reportArgumentType]
+    for clock.now in (22.0, 24.0, 26.0):
+        lines.flown(1)
+    assert capsys.readouterr().err.splitlines() == [
+        "4 of 40 flights, 1 flown with all re-flights, 0.1 flights/s, at most 6 min left",
+        "4 of 40 flights, 4 flown with all re-flights, 0.5 flights/s, at most 72 s left",
+        "6 of 40 flights, best so far: completion 50 %, cost 3.14, 7 flown with all re-flights, 0.5 flights/s, at most 68 s left",
+    ]
+
+
+def test_a_terminal_shows_flights_of_simulators_while_their_batch_goes_on(monkeypatch, capsys):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "160")
+    clock = Clock()
+    monkeypatch.setattr("hotlap.cli.progress.FlightPace", lambda: Pace(clock))
+    with follow(40, 4) as watch:
+        for clock.now in (10.0, 12.0, 14.0):
+            watch.flown(1)
+        watch(SimpleNamespace(flights=6, best=candidate(), failed_validations=(), done=False))
+    shown = capsys.readouterr().err
+    assert "3 flown with all re-flights" in shown
+    assert "0.5 flights/s" in shown
+    assert "at most 68 s left" in shown
+    assert "6/40" in shown
+
+
+@pytest.mark.parametrize(("seconds", "text"), [(40.4, "40 s"), (99.9, "100 s"), (360.0, "6 min"), (9000.0, "2.5 h")])
+def test_long_times_are_told_roughly(seconds, text):
+    assert duration(seconds) == text

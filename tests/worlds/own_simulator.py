@@ -6,6 +6,7 @@ import numpy as np
 
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds.plant_simulator import PlantSimulator
+from hotlap.worlds.simulator import SimulatorError
 
 OPENED: list[tuple[int, str]] = []
 
@@ -20,3 +21,8 @@ class Own(PlantSimulator):
 
 
 NUMBER = 3
+
+
+def cannot_open(*_: object) -> None:
+    """Its program is missing."""
+    raise SimulatorError("there is no such drone")

@@ -153,14 +153,19 @@ class Bar:
         """Move the bar, and report above it validations that failed."""
         self._reached, self._best = batch.flights, f"{describe(batch.best)}, "
         done = min(self._total, round(self._spent + time.monotonic() - self._begun)) if self._seconds else batch.flights
-        speed = self._pace.words(0) if self._pace.flown else self._rate(batch.flights)
-        self._progress.update(self._task, completed=done, state=f"{self._best}{speed}")
+        self._progress.update(self._task, completed=done, state=f"{self._best}{self._rate(batch.flights)}")
+        if self._pace.flown:
+            self._tell()
         for validation in batch.failed_validations:
             self._progress.console.print(describe_failure(validation), markup=False, highlight=False)
 
     def flown(self, _ended: int) -> None:
         """A flight of a simulator has ended; the batch that it is of goes on."""
         self._pace.count()
+        self._tell()
+
+    def _tell(self) -> None:
+        """How fast flights are, and how long the rest will take, by those that were flown."""
         speed = self._pace.words(0)
         left = "" if self._seconds else self._pace.words(self._budget - self._reached, "at most ").partition(", ")[2]
         self._progress.update(self._task, state=f"{self._best}{count_of(self._pace.flown)}, {speed}", left=left)

@@ -15,13 +15,13 @@ from hotlap.reference.scenario import Scenario
 from hotlap.report.figures import convergence, inputs, samples, sensitivity, track, tracking_error, tuned_parameters
 from hotlap.report.formats import FORMATS
 from hotlap.report.history import Change, collect, compare, recount
-from hotlap.report.page.replay import choose, demonstrate
+from hotlap.report.page.replay import IN_SIMULATORS, choose, demonstrate
 from hotlap.report.scene import Scene, stage
 from hotlap.report.style import own_settings
 from hotlap.study.snapshot import Snapshot, read_snapshot
 from hotlap.study.study import Study
 from hotlap.system.text_files import written_whole
-from hotlap.worlds.world import World
+from hotlap.worlds.world import World, is_slow
 
 FLIGHTS = 8  # of each set of parameters, all with the same noise; the first of each is drawn in full
 SETS = 2  # the best, and the first guess, or the default where that is the best
@@ -49,7 +49,7 @@ def draw(folder: Path, study: Study, world: World, flights: int = FLIGHTS) -> tu
 
 
 def draw_everything(folder: Path, study: Study, world: World, kind: str, flights: int = FLIGHTS) -> tuple[Path, ...]:
-    """Draw all pictures of a study: those of `draw`, and inputs, sensitivity and samples of the search.
+    """Draw all pictures of a study: those of `draw`, and inputs, sensitivity (unless flights take seconds) and samples of the search.
 
     Args:
         folder: where the pictures go.
@@ -76,19 +76,22 @@ def figures_of(snapshot: Snapshot, world: World, flights: int = FLIGHTS) -> dict
         flights: how many of each set of parameters to fly, at least 1.
     """
     asked, best, scene = snapshot.configuration, snapshot.best, _fly(snapshot, world, flights)
-    found = survey_sensitivity(asked.scenario, world, best, asked.settings.seed)
+    surveyed = {}
+    if not is_slow(world):
+        found = survey_sensitivity(asked.scenario, world, best, asked.settings.seed)
+        surveyed["sensitivity"] = sensitivity(found, _change(snapshot), f"{scene.race}: sensitivity to the parameters")
     searched = collect(snapshot.ledger, asked.settings.goal)
     return {
         **_plain(snapshot, scene),
         "inputs": inputs(scene, asked.scenario),
-        "sensitivity": sensitivity(found, _change(snapshot), f"{scene.race}: sensitivity to the parameters"),
+        **surveyed,
         "samples": samples(searched, asked.scenario.space, best, f"{scene.race}: parameters of the search flights"),
     }
 
 
 def _fly(snapshot: Snapshot, world: World, flights: int) -> Scene:
     """Fly the best parameters, and the first guess or the default, for the pictures."""
-    asked = snapshot.configuration
+    asked, flights = snapshot.configuration, min(flights, IN_SIMULATORS) if is_slow(world) else flights
     sets = choose(asked.scenario, asked.first_guess, snapshot.best)[:SETS]
     return demonstrate(asked.scenario, world, sets, flight_seeds(asked.settings.seed, Stream.DEMONSTRATION, 0, flights))
 
