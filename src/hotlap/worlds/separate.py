@@ -1,0 +1,103 @@
+"""Separate: a simulator written in Python in a process of its own, so that several of them do not wait for one interpreter."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.system.blas_threads import one_thread_each
+from hotlap.worlds.simulator import Simulator, SimulatorError, Start
+
+Floats = NDArray[np.float64]
+
+TIMEOUT = 120.0  # s that an answer may take: opening imports what it needs
+
+
+class Separate:
+    """A simulator in a process of its own.
+
+    Args:
+        opened: makes the simulator there; a function or class of a module, so that the process can find it.
+        arguments: of `opened`.
+
+    Attributes:
+        lanes, step, scales_thrust: the simulator's.
+
+    Raises:
+        SimulatorError: it cannot be opened, or is lost later on.
+    """
+
+    def __init__(self, opened: Callable[..., Simulator], *arguments: Any) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs, opened, arguments), daemon=True)
+        with one_thread_each():
+            self._process.start()
+        theirs.close()
+        self._seen: tuple[Floats, Floats] = (np.empty((0, 13)), np.empty((0, 4)))
+        self.lanes, self.step, self.scales_thrust = self._answer()
+
+    def reset(self, lane: int, start: Start) -> None:
+        """Place a drone."""
+        self._seen = self._ask("reset", lane, start)
+
+    def advance(self, commands: Floats, duration: float) -> None:
+        """Let all lanes fly for a duration [s] under commands, shape (L, 4)."""
+        self._seen = self._ask("advance", commands, duration)
+
+    def states(self) -> Floats:
+        """Where the drones are, shape (L, 13)."""
+        return self._seen[0]
+
+    def rotor_thrusts(self) -> Floats:
+        """What the rotors give, shape (L, 4) [N]."""
+        return self._seen[1]
+
+    def close(self) -> None:
+        """End the process."""
+        self._pipe.close()
+        self._process.terminate()
+        self._process.join()
+
+    def _ask(self, *what: Any) -> Any:
+        try:
+            self._pipe.send(what)
+        except OSError as error:
+            raise SimulatorError("the simulator's process has ended") from error
+        return self._answer()
+
+    def _answer(self) -> Any:
+        try:
+            if not self._pipe.poll(TIMEOUT):
+                raise SimulatorError(f"the simulator's process has not answered for {TIMEOUT:g} s")
+            answer = self._pipe.recv()
+        except (EOFError, OSError) as error:
+            raise SimulatorError("the simulator's process has ended") from error
+        if isinstance(answer, Exception):
+            self.close()
+            raise answer
+        return answer
+
+
+def _serve(pipe: Connection, opened: Callable[..., Simulator], arguments: tuple[Any, ...]) -> None:
+    """Do what is asked over a pipe until its other end is closed; Ctrl-C is left to the parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with suppress(EOFError, OSError):
+        try:
+            simulator = opened(*arguments)
+            pipe.send((simulator.lanes, simulator.step, simulator.scales_thrust))
+            while True:
+                method, *told = pipe.recv()
+                getattr(simulator, method)(*told)
+                pipe.send((simulator.states(), simulator.rotor_thrusts()))
+        except (EOFError, OSError):
+            raise
+        except Exception as error:  # noqa: BLE001  whatever it was, the parent hears of it
+            pipe.send(error if isinstance(error, SimulatorError) else SimulatorError(f"{type(error).__name__}: {error}"))

@@ -1,0 +1,164 @@
+"""crazyflow flies our vehicles as the equations say, and its own as its description says."""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flight.scenarios import make_scenario, parameters
+from hotlap.core.errors import UnknownNameError
+from hotlap.core.records import End
+from hotlap.files.descriptions import load_quadrotor
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.worlds import crazyflow, rotorpy
+from hotlap.worlds.crazyflow import Crazyflow
+from hotlap.worlds.simulator import SimulatorError, Start
+from hotlap.worlds.stepped import Stepped
+
+needed = (pytest.mark.check, pytest.mark.skipif(not crazyflow.installed(), reason="crazyflow is not installed"))
+its_own = (pytest.mark.filterwarnings("ignore::DeprecationWarning"), pytest.mark.filterwarnings("ignore::UserWarning"))
+LANES = 3
+HIGH = np.array([0.0, 0, 100, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0])
+OWN = "cf21B_500"
+
+
+@pytest.fixture(autouse=True)
+def _somewhere_else(tmp_path, monkeypatch):
+    """MuJoCo would write a log where it runs."""
+    monkeypatch.chdir(tmp_path)
+
+
+def place(vehicle: Quadrotor, state: np.ndarray = HIGH, drone: str = "") -> Crazyflow:
+    simulator = Crazyflow(vehicle, drone=drone, lanes=LANES)
+    for lane in range(LANES):
+        simulator.reset(lane, Start(state))
+    return simulator
+
+
+def advance(simulator: Crazyflow, command: tuple[float, ...], duration: float) -> np.ndarray:
+    simulator.advance(np.tile(command, (LANES, 1)), duration)
+    return simulator.states()[0]
+
+
+def moving(*velocity: float) -> np.ndarray:
+    state = HIGH.copy()
+    state[7:10] = velocity
+    return state
+
+
+class TestCrazyflow:
+    pytestmark = (*needed, *its_own)
+
+    @pytest.mark.parametrize("vehicle", ["airsim", "hummingbird", "cf21b-500"])
+    def test_any_vehicle_hovers_where_it_is(self, vehicle):
+        quadrotor = load_quadrotor(vehicle)
+        simulator = place(quadrotor)
+        state = advance(simulator, (quadrotor.gravity, 0, 0, 0), 0.5)
+        np.testing.assert_allclose(state, HIGH, atol=1e-4)
+        np.testing.assert_allclose(simulator.rotor_thrusts(), quadrotor.mass * quadrotor.gravity / 4, rtol=1e-4)
+
+    def test_its_own_drone_hovers_where_it_is(self):
+        simulator = place(load_quadrotor("cf21b-500"), drone=OWN)
+        state = advance(simulator, (9.81, 0, 0, 0), 0.5)
+        np.testing.assert_allclose(state[:7], HIGH[:7], atol=1e-2)
+        np.testing.assert_allclose(simulator.rotor_thrusts(), 0.0434 * 9.81 / 4, rtol=1e-2)
+
+    @pytest.mark.parametrize("vehicle", ["airsim-122m", "cf21b-500"])
+    def test_hard_turns_are_those_of_rotorpy(self, vehicle):
+        """Two simulators that share no line, and a vehicle without what they have in different forms."""
+        if not rotorpy.installed():
+            pytest.skip("rotorpy is not installed")
+        quadrotor = load_quadrotor(vehicle).model_copy(update={"rotor_drag": 0.0, "body_drag": (0.0, 0.0, 0.0)})
+        ours, theirs = place(quadrotor), rotorpy.RotorPy(quadrotor)
+        theirs.reset(0, Start(HIGH))
+        for k in range(100):
+            t = 0.01 * k
+            command = 11 + 3 * np.sin(5 * t), 2 * np.sin(9 * t), 1.5 * np.sin(7 * t + 1), 0.8 * np.sin(4 * t)
+            state = advance(ours, command, 0.01)
+            theirs.advance(np.array([command]), 0.01)
+        np.testing.assert_allclose(state, theirs.states()[0], rtol=0, atol=2e-4)
+        np.testing.assert_allclose(ours.rotor_thrusts()[0], theirs.rotor_thrusts()[0], rtol=1e-3)
+
+    @pytest.mark.parametrize(
+        ("drag", "expected"),
+        [
+            ({"drag": (0.3, 0.5, 0.0)}, (-0.3 * 8, -0.5 * 6)),
+            ({"body_drag": (0.02, 0.03, 0.0)}, (-0.02 * 8 * 8 / 0.716, -0.03 * 6 * 6 / 0.716)),
+            ({"rotor_drag": 0.0276}, tuple(-0.0276 * 4 * np.sqrt(0.716 * 9.81 / 4) * v / 0.716 for v in (8, 6))),
+        ],
+    )
+    def test_each_drag_slows_as_it_should(self, drag, expected):
+        quadrotor = load_quadrotor("hummingbird").model_copy(update={"rotor_drag": 0.0, **drag})
+        state = advance(place(quadrotor, moving(8, 6, 0)), (9.81, 0, 0, 0), 0.01)
+        np.testing.assert_allclose((state[7:9] - [8, 6]) / 0.01, expected, rtol=2e-2)
+
+    def test_rotors_take_longer_down_than_up(self):
+        quadrotor = load_quadrotor("hummingbird").model_copy(update={"motor_time": (0.01, 0.04)})
+        hover, most = quadrotor.mass * 9.81 / 4, quadrotor.rotor_thrust[1]
+        simulator = place(quadrotor)
+        advance(simulator, (60.0, 0, 0, 0), 0.01)
+        np.testing.assert_allclose(simulator.rotor_thrusts(), (most**0.5 + (hover**0.5 - most**0.5) * np.exp(-1)) ** 2, rtol=2e-3)
+
+    @pytest.mark.parametrize("drone", ["", OWN])
+    @pytest.mark.parametrize("axis", [1, 2, 3])
+    def test_it_turns_as_it_is_told_and_the_rotors_say_so(self, drone, axis):
+        quadrotor = load_quadrotor("cf21b-500")
+        simulator, command = place(quadrotor, drone=drone), [9.81, 0.0, 0.0, 0.0]
+        command[axis] = 1.0
+        state = advance(simulator, tuple(command), 0.05)
+        assert 0.05 < state[9 + axis] < 2
+        torque = quadrotor.torque_matrix @ simulator.rotor_thrusts()[0]
+        assert np.argmax(np.abs(torque / quadrotor.inertia_vector)) == axis - 1
+        assert torque[axis - 1] > 0
+
+    def test_a_lane_that_is_placed_leaves_the_others_where_they_are(self):
+        simulator = place(load_quadrotor("hummingbird"))
+        advance(simulator, (12.0, 1.0, 0, 0), 0.1)
+        before = simulator.states()
+        simulator.reset(1, Start(moving(1, 2, 3)))
+        after = simulator.states()
+        np.testing.assert_array_equal(after[[0, 2]], before[[0, 2]])
+        np.testing.assert_allclose(after[1], moving(1, 2, 3))
+
+    def test_nothing_is_written_where_it_runs(self, tmp_path):
+        place(load_quadrotor("hummingbird"))
+        assert not list(tmp_path.iterdir())
+
+    @pytest.mark.parametrize("argument", ["", OWN])
+    def test_a_race_flown_there_is_finished_in_every_lane(self, argument):
+        scenario = make_scenario() if not argument else make_scenario(vehicle=described(), model=described())
+        opened = Stepped("crazyflow", lambda *told: crazyflow.open_simulator(*told, argument))
+        flights = opened.fly(scenario, parameters(20), np.arange(20))
+        assert (flights.end == End.FINISHED).all()
+        np.testing.assert_allclose(flights.clock_distance, flights.clock_distance[:1].repeat(20, axis=0), atol=1e-3)
+
+    def test_a_drone_that_it_has_not_is_refused(self):
+        with pytest.raises(UnknownNameError, match=r"there is no drone of crazyflow named 'cf21b'.*did you mean"):
+            crazyflow.open_simulator(make_scenario(), 0, "cf21b")
+
+    def test_our_description_of_its_drone_is_its_own(self):
+        import crazyflow as package  # noqa: PLC0415
+
+        file = Path(package.__file__).parent / "dynamics" / "first_principles" / "params.toml"
+        theirs, ours = tomllib.loads(file.read_text(encoding="utf-8"))[OWN], load_quadrotor("cf21b-500")
+        assert ours.mass == pytest.approx(theirs["mass"], rel=1e-3)
+        assert ours.inertia == pytest.approx(np.diag(theirs["J"]))
+        assert ours.rotor_thrust == pytest.approx((theirs["thrust_min"], theirs["thrust_max"]), rel=1e-4)
+        assert ours.arm == pytest.approx(np.sqrt(2) * theirs["L"], rel=1e-3)
+
+
+def described() -> dict[str, object]:
+    """Crazyflow's drone as ours, for the vehicle of the small race."""
+    return {key: getattr(load_quadrotor("cf21b-500"), key) for key in Quadrotor.model_fields if key not in {"name", "provenance"}}
+
+
+def test_without_the_package_it_says_how_to_install_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "crazyflow", None)
+    monkeypatch.setitem(sys.modules, "jax", None)
+    monkeypatch.delitem(sys.modules, "hotlap.worlds.crazyflow_vehicle", raising=False)
+    with pytest.raises(SimulatorError, match=r"crazyflow is not installed: pip install 'hotlap\[crazyflow\]'"):
+        Crazyflow(load_quadrotor("hummingbird"))
