@@ -255,8 +255,8 @@ class Study:
         """
         self._check(objective)
         tuning = self.tuning
-        self._clock, self._mark = clock, clock()
         tuning.together = self.configuration.settings.batch if is_slow(objective.world) else 0
+        self._clock, self._mark = clock, clock()
         keeper = Timekeeper(tuning, objective, self.wall_time, clock)
         for batch in tune(keeper, tuning):
             self.record(batch)
