@@ -90,7 +90,7 @@ def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:
         prepare_world(scenario)
     if isinstance(world, Stepped):
         with progress.working(world.opening):
-            world.open(scenario)
+            world.capacity(scenario)
 
 
 def read_parameters(path: Path, scenario: Scenario, progress: Progress) -> Parameters:

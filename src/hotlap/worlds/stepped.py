@@ -69,14 +69,6 @@ class Stepped:
         flight.judge(state, np.zeros(4))
         flight.lose()
 
-    def open(self, scenario: Scenario) -> None:
-        """Open the first simulator, which takes its time, for a scenario.
-
-        Raises:
-            InputError: it cannot be opened.
-        """
-        self._instances[0].simulator(scenario)
-
     def fly(
         self,
         scenario: Scenario,
