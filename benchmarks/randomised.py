@@ -1,8 +1,8 @@
 """Controllers tuned for vehicles that differ, by wall time: python benchmarks/randomised.py [RACE ...]
 
-Each race is tuned as `hotlap tune RACE --randomise 0.1 --minutes 1` does it, as it is and with the observer and drag along the horizon; then
-its result flies vehicles that no search has met, each drawn anew. Wall time counts, so nothing else should run; only two processors are
-needed. Runs are kept in `--out`; the same command continues.
+Each race is tuned as `hotlap tune RACE --randomise 0.1 --minutes 1` does it, as it is and with the observer and drag along the horizon;
+then its result flies vehicles that no search has met, each drawn anew. Wall time counts, so nothing else should run; two processors are
+enough. Runs are kept in `--out`; the same command continues.
 """
 
 from __future__ import annotations
@@ -98,7 +98,8 @@ def table(results: Mapping[Case, Mapping[str, Any]]) -> Iterator[str]:
         yield f"| {race} | {controller} | {fresh} | {validated} | {flights} | {walls} |"
     for controller in dict.fromkeys(case.controller for case in results):
         rates = [Validation(FLIGHTS, one["fresh"]).rate for case, one in results.items() if case.controller == controller]
-        yield f"\n{controller}: {sum(rate >= HELD for rate in rates)} of {len(rates)} runs hold at least {100 * HELD:.0f} % of fresh vehicles"
+        held = sum(rate >= HELD for rate in rates)
+        yield f"\n{controller}: {held} of {len(rates)} runs hold at least {100 * HELD:.0f} % of fresh vehicles"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

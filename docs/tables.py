@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hotlap.files import toml_writer
 from hotlap.files.documented_keys import documented_keys
-from hotlap.race import battery, gate, observer, obstacles, race, track
+from hotlap.race import battery, gate, observer, obstacles, race, rate_loop, track
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.schema import Described
 
@@ -20,6 +20,7 @@ DESCRIPTIONS: dict[str, type[Described]] = {
     "box": obstacles.Box,
     "quadrotor": Quadrotor,
     "battery": battery.Battery,
+    "rate_loop": rate_loop.RateLoop,
     "race": race.Race,
     "planning": race.PlanningSettings,
     "ramp": race.Ramp,

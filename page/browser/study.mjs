@@ -19,6 +19,9 @@ async function inspect(name, { page, requests, complaints }) {
   for (const card of CARDS) check((await page.locator(`#${card}`).innerText()).length > 40, `${name}: ${card} says something`);
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
   check(wide <= 0, `${name}: nothing is wider than the page (${wide} px too much)`);
+  const long = page.locator("#robustness th", { hasText: " and " });
+  const lines = await long.evaluateAll((names) => names.map((one) => one.getBoundingClientRect().height / parseFloat(getComputedStyle(one).lineHeight)));
+  check(lines.length > 0 && lines.every((count) => count < 3.6), `${name}: a long condition has lines of its own (${lines.join(", ")})`);
   check(await page.locator("#static").isHidden(), `${name}: the part for readers without script is hidden`);
   check((await page.locator(".plot canvas").count()) >= 8, `${name}: all charts are drawn`);
   const unnamed = await page.evaluate(() =>

@@ -253,6 +253,8 @@ export interface Study {
   readonly samples: Samples | null;
   readonly sensitivity: Sensitivity | null;
   readonly robustness: readonly Robustness[];
+  /** What to try where flights fail, each thing once. */
+  readonly advice: readonly string[];
   readonly configuration: Configuration | null;
 }
 

@@ -6,6 +6,7 @@ const EMPTY: Partial<Record<Part, unknown>> = {
   traces: [],
   repeats: [],
   robustness: [],
+  advice: [],
   flights: null,
   parameters: null,
   samples: null,

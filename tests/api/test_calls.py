@@ -137,7 +137,9 @@ def test_parameters_may_be_numbers(results):
     [
         (hotlap.tune, {"budget": 0}, "budget: must be from 1 to"),
         (hotlap.tune, {"goal": "fast"}, "goal: 'fast' is no goal; write completion=1"),
-        (hotlap.tune, {"goal": "lap_time"}, "goal: lap_time is of the command line"),
+        (hotlap.tune, {"goal": "lap_time", "samples": 3}, "samples: has no meaning for the goal lap_time, which looks for a plan"),
+        (hotlap.tune, {"goal": "lap_time", "validation": 0}, "validation: must not be 0 for the goal lap_time"),
+        (hotlap.tune, {"goal": "lap_time", "hold": "mas=+5%"}, "hold: "),
         (hotlap.tune, {"tuner": "anealing"}, "tuner: there is no tuner named 'anealing'"),
         (hotlap.tune, {"on": "mars"}, "on: there is no world named 'mars'"),
         (hotlap.tune, {"randomise": 0.1}, "randomise: fake flies the vehicle that it has"),

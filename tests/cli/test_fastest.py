@@ -7,9 +7,13 @@ import math
 
 import pytest
 
+import hotlap
 from hotlap.analysis import fastest as search
 from hotlap.analysis.plan_trials import NEAREST_GATE, PlanSettings, Trial, first_plan_settings, neighbours
-from hotlap.cli import fastest, main
+from hotlap.api import fastest
+from hotlap.api.fastest import FastestResult
+from hotlap.cli import main
+from hotlap.core.finite import finite
 from hotlap.files.descriptions import load_parameters, load_race
 from hotlap.race.race import Race
 from hotlap.tuning.loop import TuningSettings
@@ -136,6 +140,25 @@ def test_a_faster_race_is_written_with_parameters_that_fly_it(tmp_path, monkeypa
     again = capsys.readouterr()
     assert json.loads(again.out) == document
     assert "now" not in again.err
+    found = hotlap.tune("circle-20", goal="lap_time", budget=60, validation=40, out=out)
+    assert isinstance(found, FastestResult)
+    assert finite(found.to_dict()) == document
+    assert repr(found).startswith(f"<FastestResult circle-20: {found.lap_time:.2f} s, where the race's own plan takes")
+    assert [row["lap_time"] for row in found.rows()] == [found.lap_time]
+    assert found.found
+    assert found.chosen is not None
+    assert load_race(found.chosen.race).name == "circle-20-fastest"
+
+
+def test_where_no_plan_can_be_flown_python_and_the_command_say_so(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(fastest, "fastest", lambda *_: None)
+    found = hotlap.tune("circle-20", goal="lap_time", out=tmp_path)
+    assert isinstance(found, FastestResult)
+    assert (found.found, found.lap_time, found.rows(), found.chosen) == (False, None, [], None)
+    assert "no plan was found that passes every gate in 95 % of the flights" in repr(found)
+    assert tuple(capsys.readouterr()) == ("", "")
+    assert main(["tune", "circle-20", "--goal", "lap_time", "--out", str(tmp_path), "--json"]) == 1
+    assert json.loads(capsys.readouterr().out) == finite(found.to_dict())
 
 
 @pytest.mark.parametrize(
@@ -143,7 +166,7 @@ def test_a_faster_race_is_written_with_parameters_that_fly_it(tmp_path, monkeypa
 )
 def test_what_has_no_meaning_for_it_is_said(option, capsys):
     assert main(["tune", "circle-20", "--goal", "lap_time", *option]) == 2
-    assert capsys.readouterr().err == f"hotlap: {option[0]}: has no meaning for --goal lap_time, which looks for a plan of its own\n"
+    assert capsys.readouterr().err == f"hotlap: {option[0]}: has no meaning for the goal lap_time, which looks for a plan of its own\n"
 
 
 def test_a_folder_holds_one_kind_of_study(tmp_path, monkeypatch, capsys):

@@ -12,8 +12,10 @@ from cli import fake_hotlap
 from cli.fake_hotlap import Loud
 from fake_world import make_scenario
 from hotlap import worlds
+from hotlap.analysis.diagnosis import Diagnosis
 from hotlap.api.flying import fly
 from hotlap.api.tuning import tune
+from hotlap.feasibility.causes import FailureCause
 from hotlap.race.conditions import DEFAULT_CONDITIONS
 from hotlap.study.study import Study
 
@@ -63,6 +65,29 @@ def test_tune_flies_what_is_asked_for_first_and_says_whether_all_of_it_is_held(h
     assert hotlap(*TUNE, "--hold", "mass=-20%", "--json").document["holds"] is True
 
 
+def test_what_to_try_is_one_list_in_the_terminal_in_json_and_on_the_page(hotlap, here, monkeypatch):
+    blind = Diagnosis(FailureCause.UNKNOWN_FORCE, "it sinks", "set controller.offset_free = true")
+    monkeypatch.setattr("hotlap.analysis.robustness.diagnose", lambda *_, **__: (blind,))
+    lines = hotlap(*TUNE, "--hold", ASKED).out.splitlines()
+    told = "set controller.offset_free = true (20 % heavier; steady wind of 3 m/s^2; 10 % heavier; 15 % less thrust)"
+    assert lines[lines.index("why flights fail:") + 1 :][:3] == [
+        "  20 % heavier, steady wind of 3 m/s^2, 10 % heavier, 15 % less thrust: unknown force: it sinks",
+        "what to try:",
+        f"  {told}",
+    ]
+    assert sum("offset_free" in line for line in lines) == 1
+    assert hotlap(*TUNE, "--hold", ASKED, "--json").document["advice"] == [told]
+    page = (here / "mine" / "report.html").read_text(encoding="utf-8")
+    assert document_of(page)["advice"] == [told]
+    assert f"<li>{told}</li>" in page, "also without JavaScript"
+
+
+def document_of(page: str) -> dict:
+    """What the script of a page reads."""
+    (line,) = [line for line in page.splitlines() if 'id="study-data"' in line]
+    return json.loads(line.partition('type="application/json">')[2].partition("</script>")[0])
+
+
 def test_nobody_who_asks_for_nothing_reads_about_it(hotlap):
     assert "held in" not in hotlap(*TUNE).out
     document = hotlap(*TUNE, "--json").document
@@ -76,8 +101,7 @@ def test_a_study_remembers_what_was_asked_for_and_its_page_shows_it_again(hotlap
     page = here / "mine" / "report.html"
     page.unlink()
     assert hotlap("report", "mine").code == 0
-    (line,) = [line for line in page.read_text(encoding="utf-8").splitlines() if 'id="study-data"' in line]
-    shown = json.loads(line.partition('type="application/json">')[2].partition("</script>")[0])["robustness"]
+    shown = document_of(page.read_text(encoding="utf-8"))["robustness"]
     assert [row["change"] for row in shown if row["asked"]] == ["steady wind of 3 m/s^2"]
     again = hotlap(*TUNE, "--json").document
     assert [row["change"] for row in again["robustness"] if row["asked"]] == ["steady wind of 3 m/s^2"], "gone on with without a word of it"

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from hotlap.files.descriptions import load
+from hotlap.files.descriptions import load, load_quadrotor
 from hotlap.race.race import Race
+from worlds.airsim_plant import Plant
+from worlds.airsim_server import Server
 
 SAMPLES = Path(__file__).parents[1] / "importers" / "samples"
 DRONE = str(SAMPLES / "rpg_quadrotor.yaml")
@@ -71,3 +73,21 @@ def test_bad_input_is_one_line_and_writes_nothing(hotlap, here, arguments, messa
     assert (ran.code, ran.out, ran.err.count("\n")) == (2, "", 1)
     assert message in ran.err
     assert sorted(here.iterdir()) == before
+
+
+def test_gates_are_read_from_a_simulator_that_runs(hotlap, here):
+    with Server(
+        Plant(load_quadrotor("airsim"), delayed=False), scene={"Gate0": ([4.0, 0.0, -2.0], [1.0, 0.0, 0.0, 0.0], [1.0] * 3)}
+    ) as server:
+        ran = hotlap("import", f"airsim://127.0.0.1:{server.port}", "--name", "hall")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out.startswith("wrote hall.toml: a track, from the gates of a level of AirSim\n")
+    assert load(here / "hall.toml").gates[0].position == (4.0, 0.0, 2.0)
+    assert hotlap("check", "hall.toml").code == 0
+
+
+def test_a_simulator_that_does_not_run_is_one_line(hotlap):
+    ran = hotlap("import", "airsim://127.0.0.1:1")
+    assert ran.code == 2
+    assert "AirSim at 127.0.0.1:1: nobody listens there: is the simulator running" in ran.err
+    assert ran.err.count("\n") == 1

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hotlap.dynamics import models
 from hotlap.dynamics.parameter_layout import AIRFRAME
-from hotlap.race.quadrotor import RotorLayout, torque_matrix
+from hotlap.race.rotors import RotorLayout, torque_matrix
 
 GRAVITY = 9.81
 MASS, INERTIA, TORQUES = 0.85, np.array([0.004, 0.006, 0.009]), torque_matrix(RotorLayout.X, 0.2, 0.03)

@@ -13,9 +13,11 @@ from exporters.studies import VALUES, alternating, saved, tune
 from flight.scenarios import make_scenario
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.exporters import FORMATS, export
+from hotlap.exporters.flown_with import flown_with
 from hotlap.files.descriptions import load_parameters, save_parameters
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.race.controllers import ControllerKind
+from hotlap.reference.scenario import Scenario
 
 
 @pytest.fixture(scope="module")
@@ -26,6 +28,10 @@ def study(tmp_path_factory):
 
 def same(mine: SavedParameters, theirs: SavedParameters) -> bool:
     return mine.to_table() == theirs.to_table()
+
+
+def remarked(scenario: Scenario) -> SavedParameters:
+    return replace(saved(scenario), flown_with=flown_with(scenario))
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -39,12 +45,12 @@ def test_every_format_writes_its_own_file_into_the_folder_and_nothing_else(tmp_p
 
 def test_toml_comes_back(study, tmp_path):
     (path,) = export(study, "toml", tmp_path / "mine.toml")
-    assert same(load_parameters(path), saved(study.configuration.scenario))
+    assert same(load_parameters(path), remarked(study.configuration.scenario))
 
 
 def test_json_comes_back_with_the_keys_of_the_parameters_file(study, tmp_path):
     (path,) = export(study, "json", tmp_path / "mine.json")
-    assert same(SavedParameters.from_table(json.loads(path.read_text()), "mine.json"), saved(study.configuration.scenario))
+    assert same(SavedParameters.from_table(json.loads(path.read_text()), "mine.json"), remarked(study.configuration.scenario))
 
 
 @pytest.mark.parametrize("segments", [None, alternating()], ids=["pieces", "shared"])

@@ -14,8 +14,9 @@ from scipy.spatial.transform import Rotation
 from hotlap.core.errors import HotlapError
 from hotlap.dynamics import models
 from hotlap.flight.plant import allocate_vehicle_state, autopilot_numbers, fly_period, vehicle_numbers
-from hotlap.race.quadrotor import Quadrotor, RotorLayout
+from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import PLANT_STEP
+from hotlap.race.rotors import RotorLayout
 from hotlap.race.vehicle_parameters import VEHICLE_PARAMETERS, vehicle_parameters_of
 
 STEP = models.plant_step()

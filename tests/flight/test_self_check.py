@@ -34,6 +34,7 @@ def result_file(tmp_path, monkeypatch):
 
 
 WRONG = {"minimum": "max", "negate": "float", "sqrt": "lambda a: 1.01 * a**0.5"}  # operations that mean something else
+DETAILED = ("scale-torque-4", "betaflight-pid-6")  # kinds of plant that between them have every part
 WRONG_JUDGES = {"rim_distance": "openings", "_corner": "collisions"}  # functions that measure two centimetres more, and their modules
 INTERPRET = f"""
 import sys
@@ -44,10 +45,12 @@ from hotlap.flight import self_check
 from hotlap.flight.program import MEANING
 from hotlap.flight.registry import CONTROLLERS
 lanes, flown = {LANES.lanes}, {{}}
-def fly(name, kind):
-    flown.update({{f"{{name}}-{{k}}": array for k, array in enumerate(self_check.fly_interpreted(kind, lanes))}})
+def fly(name, kind, plant="plain"):
+    flown.update({{f"{{name}}-{{k}}": array for k, array in enumerate(self_check.fly_interpreted(kind, lanes, plant))}})
 for kind in CONTROLLERS:
     fly(kind, kind)
+for plant in {DETAILED}:
+    fly(plant, "geometric", plant)
 for operation, wrong in {{{", ".join(f'"{operation}": {wrong}' for operation, wrong in WRONG.items())}}}.items():
     right, MEANING[operation] = MEANING[operation], wrong
     fly(operation, "geometric")
@@ -101,6 +104,14 @@ def test_lanes_agree_with_the_interpreter(kind, interpreted):
     assert self_check.same(self_check.fly_compiled(LANES, kind), interpreted[kind], tolerance)
 
 
+@pytest.mark.parametrize("plant", DETAILED)
+@pytest.mark.check
+def test_lanes_of_detailed_plants_agree_with_the_interpreter(plant, interpreted):
+    flown = self_check.fly_compiled(LANES, ControllerKind.GEOMETRIC, plant)
+    assert self_check.same(flown, interpreted[plant])
+    assert not self_check.same(flown, interpreted[ControllerKind.GEOMETRIC])
+
+
 @pytest.mark.parametrize("operation", WRONG)
 @pytest.mark.check
 def test_an_operation_that_means_something_else_is_found_out(operation, interpreted):
@@ -150,10 +161,10 @@ def test_lanes_that_cannot_be_compiled_do_not_agree(error, monkeypatch):
 
 @pytest.mark.parametrize("result", [True, False])
 def test_what_was_found_out_is_known_the_next_time(result, result_file, monkeypatch):
-    monkeypatch.setattr(self_check, "check", lambda numbers, kind: result)
+    monkeypatch.setattr(self_check, "check", lambda numbers, kind, plant: result)
     assert self_check.agrees(LANES, ControllerKind.MPC) is result
     assert result_file.exists()
-    monkeypatch.setattr(self_check, "check", lambda numbers, kind: 1 / 0)
+    monkeypatch.setattr(self_check, "check", lambda numbers, kind, plant: 1 / 0)
     assert self_check.agrees(LANES, ControllerKind.MPC) is result
 
 
@@ -161,19 +172,19 @@ def test_what_was_found_out_is_known_the_next_time(result, result_file, monkeypa
 def test_a_damaged_result_is_found_out_again(damage, result_file, monkeypatch):
     result_file.parent.mkdir()
     result_file.write_bytes(damage)
-    monkeypatch.setattr(self_check, "check", lambda numbers, kind: False)
+    monkeypatch.setattr(self_check, "check", lambda numbers, kind, plant: False)
     assert not self_check.agrees(LANES, ControllerKind.MPC)
     assert result_file.read_text() == self_check.DIFFERS
 
 
 def test_a_result_that_cannot_be_kept_is_no_error(result_file, monkeypatch):
     result_file.parent.write_text("no folder")
-    monkeypatch.setattr(self_check, "check", lambda numbers, kind: True)
+    monkeypatch.setattr(self_check, "check", lambda numbers, kind, plant: True)
     assert self_check.agrees(LANES, ControllerKind.MPC)
 
 
 def test_a_world_without_sound_lanes_says_so_once_and_flies_plain_floats(monkeypatch):
-    monkeypatch.setattr(self_check, "agrees", lambda numbers, kind: False)
+    monkeypatch.setattr(self_check, "agrees", lambda numbers, kind, plant: False)
     world, scenario = BuiltIn("float32x8"), make_scenario(noise={"rates": 0.1})
     with pytest.warns(RuntimeWarning, match="float32x8 flights differ from interpreted ones"):
         flown = world.fly(scenario, parameters(2), np.arange(2))
@@ -183,5 +194,5 @@ def test_a_world_without_sound_lanes_says_so_once_and_flies_plain_floats(monkeyp
 
 
 def test_plain_floats_need_no_check(monkeypatch):
-    monkeypatch.setattr(self_check, "agrees", lambda numbers, kind: 1 / 0)
+    monkeypatch.setattr(self_check, "agrees", lambda numbers, kind, plant: 1 / 0)
     assert BuiltIn("float64").sound_numbers(ControllerKind.MPC) is Numbers.FLOAT64

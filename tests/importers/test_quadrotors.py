@@ -8,7 +8,7 @@ import pytest
 
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.importers import read
-from hotlap.race.quadrotor import RotorLayout
+from hotlap.race.rotors import RotorLayout
 from importers.changed import SAMPLES, changed
 
 

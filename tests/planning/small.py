@@ -10,8 +10,8 @@ from hotlap.files.descriptions import load_race
 from hotlap.planning.planner import find_plan
 from hotlap.planning.problem import Problem, Trajectory
 from hotlap.planning.sampling import sample
-from hotlap.race.quadrotor import RotorLayout
 from hotlap.race.race import PlanDynamics, Race
+from hotlap.race.rotors import RotorLayout
 from hotlap.race.track import Gate
 from hotlap.reference.reference import Reference
 

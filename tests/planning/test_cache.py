@@ -13,8 +13,8 @@ from hotlap import planning
 from hotlap.planning import cache as plan_cache
 from hotlap.planning import planner
 from hotlap.planning.problem import Problem
-from hotlap.race.quadrotor import RotorLayout
 from hotlap.race.race import PlanDynamics, Race, Ramp
+from hotlap.race.rotors import RotorLayout
 from hotlap.reference.reference import Reference
 from hotlap.system.disk_cache import source_files
 from reached import reached

@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from hotlap.race.quadrotor import Quadrotor, RotorLayout
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.rotors import RotorLayout
 
 
 def quadrotor(**changes):

@@ -20,6 +20,7 @@ PAGE = Path(__file__).parents[2] / "page"
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 HOTLAP = [sys.executable, "-m", "hotlap"]
 RACE = ("circle-34", "--first-guess", "default", "--seed", "0")
+LONG = "mass=+10% & thrust=-15% & wind=3 & gusts=2"  # a condition with a long name
 OLDEST_NODE = 18
 
 pytestmark = pytest.mark.check
@@ -61,7 +62,7 @@ def drive(*words: str) -> None:
 
 
 def test_the_page_of_a_study_does_what_it_should(tmp_path):
-    hotlap("tune", *RACE, "--budget", "40", "--validation", "40", "--out", str(tmp_path / "study"))
+    hotlap("tune", *RACE, "--budget", "40", "--validation", "40", "--hold", LONG, "--out", str(tmp_path / "study"))
     drive("browser/study.mjs", str(tmp_path / "study/report.html"), str(tmp_path / "pictures"))
     assert {path.name for path in (tmp_path / "pictures").iterdir()} == {"desktop.png", "phone.png", "print.pdf", "without-script.png"}
 

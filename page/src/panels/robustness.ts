@@ -5,11 +5,14 @@ import { card, h, renew, s } from "../dom";
 import { interval, percent } from "../format";
 
 const WIDTH = 120;
+const LONG = 20; // characters of a condition, beyond which it has a line of its own
 
 export function robustness(app: App): HTMLElement {
   const body = h("div", {});
+  const advice = h("div", {});
+  app.parts.advice.watch((lines) => renew(advice, lines.length ? h("h3", {}, "What to try") : null, lines.length ? h("ul", { class: "advice" }, ...lines.map((line) => h("li", {}, line))) : null));
   app.parts.robustness.watch((rows) => renew(body, rows.length ? table(rows) : "Not flown: the simulator takes no other vehicle, or the study is still running."));
-  return card("robustness", "Robustness", "Will it hold? Success rate of the tuned parameters when vehicle, wind or noise differ from those they were tuned with; whiskers: 95 % interval; ×: thrust that is there over thrust that is needed.", body);
+  return card("robustness", "Robustness", "Will it hold? Success rate of the tuned parameters when vehicle, wind or noise differ from those they were tuned with; whiskers: 95 % interval; ×: thrust that is there over thrust that is needed.", body, advice);
 }
 
 function table(rows: readonly Robustness[]): HTMLElement {
@@ -22,13 +25,12 @@ function table(rows: readonly Robustness[]): HTMLElement {
 
 function group(rows: readonly Robustness[], title = ""): HTMLElement {
   const head = title && rows.length ? [h("tr", {}, h("th", { scope: "rowgroup", colspan: "4", class: "quiet" }, title))] : [];
-  return h("tbody", {}, ...head, ...rows.flatMap((row) => [line(row), ...row.causes.map(why)]));
+  return h("tbody", {}, ...head, ...rows.flatMap((row) => [...line(row), ...row.causes.map(why)]));
 }
 
-/** A cause of the failures above it, with what to try. */
+/** A cause of the failures above it. */
 function why(cause: Cause): HTMLElement {
-  const proof = cause.tried && `${cause.supposed ? `${cause.supposed}, ` : ""}${cause.tried.successes} of ${cause.tried.flights} flights hold`;
-  return h("tr", { class: "why" }, h("td", { colspan: "4" }, h("b", {}, cause.cause), `: ${cause.found}; ${cause.advice}`, h("span", { class: "quiet" }, proof ? ` (${proof})` : "")));
+  return h("tr", { class: "why" }, h("td", { colspan: "4" }, h("b", {}, cause.cause), `: ${cause.found}`));
 }
 
 /** What is left of the thrust; never rounded up. */
@@ -38,15 +40,18 @@ function left(margin: Margin | null): HTMLElement {
   return h("td", { class: "number", title: `thrust that is there over thrust that is needed, ${margin.place}` }, h("span", { class: margin.thrust < 1 ? "bad" : "quiet" }, `${figure} ×`));
 }
 
-function line(row: Robustness): HTMLElement {
-  return h(
+function line(row: Robustness): HTMLElement[] {
+  const long = row.change.length > LONG;
+  const name = h("th", { scope: "row", colspan: long ? "4" : null }, row.change);
+  const figures = h(
     "tr",
     {},
-    h("th", { scope: "row" }, row.change),
+    long ? h("td", {}) : name,
     h("td", { class: "number" }, h("b", { class: row.rate < 0.5 ? "bad" : "" }, percent(row.rate)), h("span", { class: "quiet" }, ` ${row.successes} of ${row.flights}`)),
     h("td", {}, rateBar(row)),
     left(row.margin),
   );
+  return long ? [h("tr", { class: "long" }, name), figures] : [figures];
 }
 
 /** A success rate as a dot on a line from 0 to 1, with its interval. */

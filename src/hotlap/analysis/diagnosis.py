@@ -67,16 +67,16 @@ class Diagnosis:
     @property
     def words(self) -> str:
         """In one line."""
-        return f"{self.cause}: {self.found}; {self.advice}{self.proof}"
+        return f"{self.cause}: {self.found}; {self.advice}{f' ({self.proof})' if self.proof else ''}"
 
     @property
     def proof(self) -> str:
         """What the trial gave, in words."""
         if self.tried is None:
             return ""
-        supposed = f"{self.supposed}, " if self.supposed else ""
+        supposed = f" {self.supposed}" if self.supposed else ""
         enough = ": not enough by itself" if self.rate < ENOUGH else ""
-        return f" ({supposed}{self.tried.successes} of {self.tried.flights} flights hold{enough})"
+        return f"{self.tried.successes} of {self.tried.flights} flights hold{supposed}{enough}"
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON."""

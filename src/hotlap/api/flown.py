@@ -12,6 +12,7 @@ import numpy as np
 
 from hotlap import worlds
 from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling
+from hotlap.analysis.remedies import Failures, failures_of, what_to_try
 from hotlap.analysis.robustness import HELD, Robustness, check_robustness
 from hotlap.api.asked import Asked
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -37,11 +38,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_FLIGHTS = 100_000
-COLUMNS = (
-    *("t", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"),
-    *("u_1", "u_2", "u_3", "u_4", "command_thrust", "command_w_x", "command_w_y", "command_w_z"),
-    *("thrust_effectiveness", "disturbance_x", "disturbance_y", "disturbance_z"),
-)
+
+
+def columns_of(rotors: int) -> tuple[str, ...]:
+    """The columns of the log of a flight with so many rotors."""
+    return (
+        *("t", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"),
+        *(f"u_{k + 1}" for k in range(rotors)),
+        *("command_thrust", "command_w_x", "command_w_y", "command_w_z"),
+        *("thrust_effectiveness", "disturbance_x", "disturbance_y", "disturbance_z"),
+    )
+
+
+COLUMNS = columns_of(4)
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,6 +86,16 @@ class FlightsResult(Outcome):
     def holds(self) -> bool | None:
         """Whether the parameters hold under every condition that was asked for; None where nobody asked."""
         return all_held(self.robustness)
+
+    @property
+    def failures(self) -> Failures:
+        """Why flights fail, by the conditions under which they do."""
+        return failures_of(self.robustness, self.causes)
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to try where flights fail, each thing once."""
+        return what_to_try(self.failures)
 
     def facts(self) -> dict[str, str]:
         """How many passed every gate, lap times, errors, and where the others ended."""
@@ -132,7 +151,7 @@ class FlightsResult(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap fly --json`."""
         about = {"race": self.scenario.race.name, "world": self.world, "notes": list(self.scenario.notes)}
-        about["causes"] = [cause.dump() for cause in self.causes]
+        about |= {"causes": [cause.dump() for cause in self.causes], "advice": list(self.advice)}
         return {**about, "robustness": [dump_robustness(one) for one in self.robustness], "holds": self.holds, "flights": self.rows()}
 
     def plot(self) -> Figure:
@@ -196,5 +215,5 @@ def write_log(path: Path, log: Log) -> None:
     """One flight as CSV: time, state, rotor thrusts, command and the controller's estimates of each step; NaN where a world logs none."""
     estimates = np.full((len(log.times), 4), np.nan) if log.estimates is None else log.estimates
     table = np.column_stack([log.times, log.states, log.rotor_thrusts, log.commands, estimates])
-    lines = [",".join(COLUMNS), *(",".join(map(repr, row)) for row in table.tolist())]
+    lines = [",".join(columns_of(log.rotor_thrusts.shape[1])), *(",".join(map(repr, row)) for row in table.tolist())]
     replace(path, "\n".join(lines) + "\n")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hotlap.analysis.robustness import HELD, Robustness
@@ -44,11 +44,6 @@ def say_held(robustness: Sequence[Robustness]) -> str:
     if lost:
         return f"{len(lost)} of {count(len(asked), 'condition')} NOT held in {percent(HELD)} of the flights: {', '.join(lost)}"
     return f"{count(len(asked), 'condition')} asked for, {'all ' * (len(asked) > 1)}held in at least {percent(HELD)} of the flights"
-
-
-def why(robustness: Sequence[Robustness]) -> Iterator[str]:
-    """A line for each condition under which flights fail: the likeliest cause, and what to do about it."""
-    yield from (f"{one.change}: {one.causes[0].words}" for one in robustness if one.causes)
 
 
 def dump_margin(margin: Margin | None) -> Mapping[str, Any] | None:

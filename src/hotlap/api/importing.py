@@ -15,7 +15,7 @@ def import_file(file: str | Path, *, out: Path | str | None = None, name: str | 
     """Write a track or quadrotor of another program as a file of hotlap: all that `hotlap import` does.
 
     Args:
-        file: a file of another program.
+        file: a file of another program, or airsim://HOST:PORT for the gates of the level that AirSim runs there.
         out: file to write, a new one; None: NAME.toml.
         name: what it is called; which vehicle, where the file has several; None: as in FILE.
 

@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from hotlap.tuning.loop import Batch
 
 
+Rounds = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]
+"""(unit, wanted, done) -> a context that gives the function to be called with a few words on each piece that has ended."""
+
+
 class Progress(Protocol):
     """Is told how the work of a call goes on; the command line shows it as bars and lines on standard error."""
 
@@ -35,16 +39,29 @@ class Progress(Protocol):
         """
         ...
 
-    def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:
+    def pieces(self, unit: str, wanted: int, done: int, *, even: bool = True) -> AbstractContextManager[Callable[[str], None]]:
         """Pieces of work, as the runs of a comparison.
 
         Args:
             unit: what they are, in the plural.
             wanted: how many in all.
             done: how many of them were there before.
+            even: whether each takes about as long as the others; else the words tell how much time is left.
 
         Returns:
             A context that gives the function to be called with a few words on each piece that has ended.
+        """
+        ...
+
+    def rounds(self, unit: str, most: int) -> AbstractContextManager[Rounds]:
+        """Pieces of work that come in rounds, shown as one: the next round is known when the last one is done.
+
+        Args:
+            unit: what the pieces are, in the plural.
+            most: pieces at most, of all rounds together; 0: nobody knows.
+
+        Returns:
+            A context that gives what shows a round, called as `pieces` is.
         """
         ...
 
@@ -69,6 +86,17 @@ class Quiet:
         """Nothing."""
         return nullcontext(lambda _: None)
 
-    def pieces(self, unit: str, wanted: int, done: int) -> AbstractContextManager[Callable[[str], None]]:  # noqa: ARG002
+    def pieces(
+        self,
+        unit: str,  # noqa: ARG002
+        wanted: int,  # noqa: ARG002
+        done: int,  # noqa: ARG002
+        *,
+        even: bool = True,  # noqa: ARG002
+    ) -> AbstractContextManager[Callable[[str], None]]:
         """Nothing."""
         return nullcontext(lambda _: None)
+
+    def rounds(self, unit: str, most: int) -> AbstractContextManager[Rounds]:  # noqa: ARG002
+        """Nothing."""
+        return nullcontext(self.pieces)

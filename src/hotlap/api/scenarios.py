@@ -13,6 +13,7 @@ from hotlap.api.progress import Progress
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.core.parameters import Parameters
 from hotlap.files.descriptions import PARAMETERS_FILE, load_parameters, load_race
+from hotlap.files.parameters_file import CHOSEN_SHARE
 from hotlap.first_guess.guess import first_guess, teaches
 from hotlap.first_guess.names import DEFAULT, LEARNED, NAMES
 from hotlap.first_guess.training_set import load_training_set, shipped
@@ -25,7 +26,7 @@ from hotlap.study.database import FILE
 from hotlap.worlds.stepped import Stepped
 from hotlap.worlds.world import World
 
-SHARE = "thrust_share"  # what parameters remember of a plan that was chosen
+COMPILED = "circle-34"  # the race that a kernel is compiled with; it serves all
 TRAINING = ".json"  # what the files of training sets end with
 
 
@@ -72,7 +73,7 @@ def planned_as(race: Race, parameters: Any) -> Race:
     if not given or not race.planning.free or not Path(parameters).exists():
         return race
     saved = load_parameters(parameters)
-    share = saved.provenance.get(SHARE)
+    share = saved.provenance.get(CHOSEN_SHARE)
     return race.with_share(float(share)) if share is not None and saved.race == race.name else race
 
 
@@ -91,6 +92,11 @@ def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:
     if isinstance(world, Stepped):
         with progress.working(world.opening):
             world.capacity(scenario)
+
+
+def make_kind_ready(world: World, kind: ControllerKind, progress: Progress) -> None:
+    """The same where no scenario is at hand yet: for any race that a kind of controller flies."""
+    make_ready(world, prepare(load_race(COMPILED).with_controller(kind)), progress)
 
 
 def read_parameters(path: Path, scenario: Scenario, progress: Progress) -> Parameters:

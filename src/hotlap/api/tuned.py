@@ -12,15 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
+from hotlap.analysis.remedies import Failures, failures_of, what_to_try
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
-from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, minutes_each, plan_of
+from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, minutes_beside, plan_of
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
 from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
-from hotlap.api.scenarios import SHARE, check_guess, load, make_ready, make_scenario, planned_as
+from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario, planned_as
 from hotlap.api.slow_flights import followed
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds, share
@@ -33,7 +34,7 @@ from hotlap.core.version import __version__
 from hotlap.feasibility.demands import advice
 from hotlap.feasibility.race import loose_judge
 from hotlap.files.descriptions import PARAMETERS_FILE, save_parameters
-from hotlap.files.parameters_file import Remark, SavedParameters
+from hotlap.files.parameters_file import CHOSEN_SHARE, Remark, SavedParameters
 from hotlap.first_guess.names import LEARNED
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
@@ -45,8 +46,7 @@ from hotlap.study.study import Study, new_folder
 from hotlap.study.tried_plan import TriedPlan, describe_choice
 from hotlap.system.journal import Journal
 from hotlap.tuners import Tuner
-from hotlap.tuning.goal import Goal, Quantity, parse_goal
-from hotlap.tuning.goal_forms import LAP_TIME
+from hotlap.tuning.goal import Quantity, parse_goal
 from hotlap.tuning.loop import TuningSettings, scenario_for
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
@@ -81,7 +81,7 @@ class TuningResult(Outcome):
         robustness: how the parameters fare under other conditions; empty where that was not flown.
         again: the command line that flies the parameters; "" where the race has no name.
         wall_time: [s] that one waited for it, planning, compiling and the report included.
-        advice: where the goal was not confirmed with a reference that was read: what of it no weights can make up for.
+        further: where the goal was not confirmed, what of a reference no weights can make up for, and whether a calmer plan holds.
         plans: that were tried before one was chosen; empty where the race fixes it.
     """
 
@@ -95,7 +95,7 @@ class TuningResult(Outcome):
     robustness: tuple[Robustness, ...]
     again: str
     wall_time: float
-    advice: tuple[str, ...] = ()
+    further: tuple[str, ...] = ()
     plans: tuple[TriedPlan, ...] = ()
 
     @property
@@ -117,6 +117,16 @@ class TuningResult(Outcome):
     def causes(self) -> tuple[Diagnosis, ...]:
         """Why flights with the best parameters fail, the likeliest cause first; empty where they do not, or nothing was flown again."""
         return self.robustness[0].causes if self.robustness else ()
+
+    @property
+    def failures(self) -> Failures:
+        """Why flights fail, by the conditions under which they do."""
+        return failures_of(self.robustness)
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to try where flights fail, each thing once."""
+        return what_to_try(self.failures, self.further)
 
     @property
     def values(self) -> Parameters:
@@ -215,24 +225,34 @@ def carry_out(asked: Asked, *, at_home: bool = False) -> TuningResult:
         result = _tune(study, job.world, asked, begun=chosen)
         file = folder / PARAMETERS_FILE
         save_parameters(file, _saved(study, result))
+        hints = () if at_home else _hints(job, result, configuration, folder, fixed=not (chosen or plans))
+        study.keep_advice(hints)
         robustness, report = ((), None) if at_home else _report(study, job.world, asked)
         guess = begun_with(study.configuration, study.flights())
     waited, again = before + time.perf_counter() - begun, _again(asked, folder)
-    scenario, told = configuration.scenario, asked.reference is not None and not result.best.confirmed and result.goal != Quantity.NONE
-    hints = advice(scenario.race, scenario.reference) if told else ()
-    if not (at_home or chosen or plans or result.best.confirmed or result.goal == Quantity.NONE):
-        hints += advise_calmer(job.race, job.world, job.settings, job.configuration, folder, asked)
-    return TuningResult(scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans)
+    return TuningResult(
+        configuration.scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans
+    )
+
+
+def _hints(job: _Job, result: Result, configuration: Configuration, folder: Path, *, fixed: bool) -> tuple[str, ...]:
+    """What to try where the goal was not confirmed: what a reference asks for, and calmer plans where the race fixes one."""
+    if result.best.confirmed or result.goal == Quantity.NONE:
+        return ()
+    scenario, asked = configuration.scenario, job.asked
+    if asked.reference is not None:
+        return advice(scenario.race, scenario.reference)
+    calmer = (job.race, job.world, job.settings, job.configuration, folder, asked, result.wall_time)
+    return advise_calmer(*calmer) if fixed else ()
 
 
 def _go_on(job: _Job, folder: Path) -> tuple[Configuration, tuple[TriedPlan, ...]]:
     """How the race of a study that is there is tuned: where it fixes no plan, with that of the study and what is left of the budget."""
-    share, plans, race, settings = *plan_of(folder), job.race, job.settings
+    (share, plans, beside), race, settings = plan_of(folder), job.race, job.settings
     if race.planning.free and share is not None and job.asked.reference is None:
         race = race.with_share(share)
         others = sum(plan.flights for plan in plans if plan.share != share)
-        minutes = minutes_each(settings) if plans else settings.minutes
-        settings = replace(settings, budget=max(settings.budget - others, 1), minutes=minutes)
+        settings = replace(settings, budget=max(settings.budget - others, 1), minutes=minutes_beside(settings, beside))
     if isinstance(job.world, Stepped) and settings.batch == TuningSettings().batch:
         with Study.read(folder) as study:
             job = replace(job, batch=study.configuration.settings.batch)
@@ -255,7 +275,9 @@ def _open_early(job: _Job) -> None:
     """Open a simulator before anything takes its time, so that one that cannot be opened is known at once."""
     assert isinstance(job.world, Stepped)  # noqa: S101  our own mistake
     quiet = Asked(tune, {**vars(job.asked), "progress": None})
-    job.world.capacity(make_scenario(job.race, quiet))
+    scenario = make_scenario(job.race, quiet)
+    with job.asked.progress.working(job.world.opening):
+        job.world.capacity(scenario)
 
 
 def _asked_at_home(asked: Asked, folder: Path) -> Asked:
@@ -326,7 +348,7 @@ def _settings(asked: Asked, world: World) -> TuningSettings:
 
     Where a flight takes seconds, fewer flights validate and choose the result, unless other numbers are asked for.
     """
-    settings = TuningSettings(goal=_goal(asked.goal), **{name: getattr(asked, name) for name in NUMBERS})
+    settings = TuningSettings(goal=parse_goal(asked.goal), **{name: getattr(asked, name) for name in NUMBERS})
     usual = inspect.signature(tune).parameters
     fewer = {name: few for name, few in IN_SIMULATORS.items() if is_slow(world) and getattr(settings, name) == usual[name].default}
     if fewer:
@@ -339,13 +361,6 @@ def _settings(asked: Asked, world: World) -> TuningSettings:
     plain = TuningSettings()
     budget = FLIGHTS_A_STREAM if settings.budget == plain.budget else settings.budget
     return replace(settings, budget=budget, batch=POPULATION if settings.batch == plain.batch else settings.batch)
-
-
-def _goal(text: str) -> Goal:
-    """What is to be reached; the fastest plan is looked for by another program."""
-    if text.strip() == LAP_TIME:
-        raise InputError("", "goal", f"{LAP_TIME} is of the command line: hotlap tune RACE --goal {LAP_TIME}")
-    return parse_goal(text)
 
 
 def _check_folder(folder: Path | None) -> None:
@@ -400,7 +415,7 @@ def _saved(study: Study, result: Result) -> SavedParameters:
         provenance |= {"validation_flights": result.validation.flights, "validated_rate": result.validation.rate}
         provenance |= {"validated_low": low, "validated_high": high}
     if study.plans:
-        provenance[SHARE] = scenario.race.planning.thrust_share
+        provenance[CHOSEN_SHARE] = scenario.race.planning.thrust_share
     known = {key: value for key, value in provenance.items() if value is not None}
     return SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, result.best.parameters, known)
 

@@ -3,16 +3,64 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, overload
 
 from hotlap.api.asked import Asked
 from hotlap.core.success_rate import RELIABILITY
 from hotlap.reference.segmentation_rule import SegmentationRule
+from hotlap.tuning.goal_forms import LAP_TIME
 
 if TYPE_CHECKING:
+    from hotlap.api.fastest import FastestResult
+    from hotlap.api.front import FrontResult
     from hotlap.api.progress import Progress
     from hotlap.api.tuned import TuningResult
     from hotlap.race.race import Race
+
+
+@overload
+def tune(  # pyright: ignore[reportOverlappingOverload]  the narrower one goes first
+    race: Race | str | Path,
+    *,
+    tuner: str = "gate_gp",
+    goal: Literal["lap_time"],
+    budget: int = 200,
+    seed: int = 0,
+    out: str | Path | None = None,
+    controller: str | None = None,
+    confirm: int = 10,
+    validation: int = 200,
+    batch: int = 8,
+    hold: str = "",
+    progress: Progress | None = None,
+) -> FastestResult | FrontResult: ...
+
+
+@overload
+def tune(
+    race: Race | str | Path,
+    *,
+    tuner: str = "gate_gp",
+    goal: str = "completion=1",
+    budget: int = 200,
+    seed: int = 0,
+    out: str | Path | None = None,
+    reference: str | Path | None = None,
+    segments: str = SegmentationRule.PAPER,
+    first_guess: str | None = None,
+    controller: str | None = None,
+    on: str = "built-in",
+    randomise: float = 0.0,
+    samples: int = 0,
+    confirm: int = 10,
+    validation: int = 200,
+    reliability: float = RELIABILITY,
+    batch: int = 8,
+    selection: int = 2000,
+    minutes: float = 0.0,
+    hold: str = "",
+    progress: Progress | None = None,
+) -> TuningResult: ...
 
 
 def tune(
@@ -28,7 +76,6 @@ def tune(
     first_guess: str | None = None,
     controller: str | None = None,
     on: str = "built-in",
-    instances: int = 1,
     randomise: float = 0.0,
     samples: int = 0,
     confirm: int = 10,
@@ -39,7 +86,7 @@ def tune(
     minutes: float = 0.0,
     hold: str = "",
     progress: Progress | None = None,
-) -> TuningResult:
+) -> TuningResult | FastestResult | FrontResult:
     """Plan a race, tune its controller, confirm and validate the result, and write a page about it: all that `hotlap tune` does.
 
     Args:
@@ -55,7 +102,6 @@ def tune(
             simulator what is tuned in the built-in world first.
         controller: which one flies; None: the race's.
         on: where to fly.
-        instances: simulators that fly side by side, where that is a simulator.
         randomise: fly vehicles whose parameters differ from the race's by up to this share.
         samples: flights of each candidate, all to succeed; 0: 1, randomised 4, with minutes 8.
         confirm: re-flights that a candidate must pass (the paper's: 4).
@@ -70,13 +116,19 @@ def tune(
         progress: receives messages about the progress of the work; None: no messages.
 
     Returns:
-        How it ended, also where the goal was not confirmed; everything that it found lies in the folder of the study.
+        How it ended, also where the goal was not confirmed; everything that it found lies in the folder of the study. For the goal lap_time
+        a `FastestResult`, the fastest plan that can be flown; with hold a `FrontResult`, the fastest that holds under these conditions, and
+        lap time against what it stands.
 
     Raises:
         InputError: something that was given is not usable.
         PlanningError: the race has no plan.
     """
     asked = Asked(tune, locals())
+    if goal.strip() == LAP_TIME:
+        from hotlap.api import fastest  # noqa: PLC0415  the search for plans is work of its own
+
+        return fastest.carry_out(asked, tune)
     from hotlap.api.tuned import carry_out  # noqa: PLC0415  it loads what flies
 
     return carry_out(asked)

@@ -13,6 +13,7 @@ from hotlap.api.exporting import export
 from hotlap.api.flying import fly
 from hotlap.api.importing import import_file
 from hotlap.api.planning import plan
+from hotlap.api.transferring import transfer
 from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
 from hotlap.cli.parser import Parser, one_of, path, whole
@@ -102,6 +103,10 @@ def _fly(parser: Parser) -> None:
     add_call(parser, fly)
 
 
+def _transfer(parser: Parser) -> None:
+    add_call(parser, transfer)
+
+
 def _report(parser: Parser) -> None:
     add = parser.add_argument
     _study(parser)
@@ -179,9 +184,13 @@ COMMANDS: Mapping[str, Command] = {
         "read a file of another program",
         "Write a track or quadrotor from a file of another program as TOML, and say what was assumed and what is not carried over.\n"
         "Reads files of TOGT-Planner, lsy_drone_racing, rpg_time_optimal, agilicious, Fast-fly, the MRS simulator and drone-models,\n"
-        "Gazebo's SDF, and the URDF of gym-pybullet-drones.",
+        "Gazebo's SDF, and the URDF of gym-pybullet-drones; airsim:// asks a simulator that runs for the gates of its level.",
         _import,
-        ("hotlap import race_uzh_7g_multiprisma.yaml", "hotlap import params.toml --name cf21B_500 --out my-drone.toml"),
+        (
+            "hotlap import race_uzh_7g_multiprisma.yaml",
+            "hotlap import params.toml --name cf21B_500 --out my-drone.toml",
+            "hotlap import airsim://127.0.0.1:41451 --out my-track.toml",
+        ),
     ),
     "plan": Command(
         "plan the fastest reference",
@@ -216,6 +225,13 @@ COMMANDS: Mapping[str, Command] = {
         "Fly a race with given parameters and fresh noise, and say how the flights ended.",
         _fly,
         ("hotlap fly circle-34", "hotlap fly circle-34 --parameters runs/mine --flights 1000"),
+    ),
+    "transfer": Command(
+        "fly parameters in other worlds",
+        "Fly the parameters of a study, and the default ones, in other worlds than the one they were tuned in, with the same noise; write\n"
+        "a page with the tracking errors. Every flight is kept when it has ended; the same command goes on where it was interrupted.",
+        _transfer,
+        ("hotlap transfer runs/mine --to betaflight", "hotlap transfer runs/mine --to rotorpy,crazyflow --flights 10"),
     ),
     "report": Command(
         "write the page of a study again",

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from hotlap.api.flown import FlightsResult
 from hotlap.api.flying import fly
-from hotlap.cli.held import show_robustness
+from hotlap.cli.held import show_advice, show_robustness
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
@@ -26,11 +26,9 @@ def _lines(flown: FlightsResult) -> Iterator[Line]:
     yield known[title]
     yield from facts({label: value for label, value in known.items() if label != title})
     yield from (f"  {line}" for line in flown.ends())
-    if flown.causes:
-        yield "why flights fail, and what to try:"
-        yield from (f"  {cause.words}" for cause in flown.causes)
     if flown.robustness:
         yield "will it hold?"
         yield from show_robustness(flown.robustness)
+    yield from show_advice(flown.failures, flown.advice)
     if flown.log is not None:
         yield f"log written to {flown.log}"

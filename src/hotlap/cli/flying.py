@@ -7,14 +7,10 @@ from argparse import Namespace
 from hotlap.api import scenarios
 from hotlap.cli.progress import TERMINAL
 from hotlap.core.parameters import Parameters
-from hotlap.files.descriptions import load_race
-from hotlap.planning.preparation import prepare
 from hotlap.race.controller_kind import ControllerKind
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds.world import World
-
-COMPILED = "circle-34"  # the race that a kernel is compiled with; it serves all
 
 
 def load(options: Namespace) -> Race:
@@ -29,7 +25,7 @@ def make_ready(world: World, scenario: Scenario) -> None:
 
 def make_kind_ready(world: World, kind: ControllerKind) -> None:
     """The same where no scenario is at hand yet: for any race that a kind of controller flies."""
-    make_ready(world, prepare(load_race(COMPILED).with_controller(kind)))
+    scenarios.make_kind_ready(world, kind, TERMINAL)
 
 
 def read_guess(text: str, scenario: Scenario) -> Parameters:

@@ -52,6 +52,7 @@ SHOWN: Mapping[str, Shown] = {
     "first_guess": Shown("NAME", values=PARAMETERS),
     "format": Shown("NAME", "format", tuple(FORMATS)),
     "on": Shown("WORLD", values=WORLDS),
+    "to": Shown("A,B", values=WORLDS),
     "tuners": Shown("A,B"),
     "budget": Shown("N"),
     "randomise": Shown("R"),

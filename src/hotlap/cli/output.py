@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,6 +11,8 @@ from typing import Any, NoReturn
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.text import Text
+
+from hotlap.core.finite import finite
 
 Line = str | Text
 
@@ -86,14 +87,3 @@ def table(rows: Sequence[Sequence[str]], *, right: Iterable[int] = (), indent: s
 def facts(pairs: Mapping[str, str]) -> list[str]:
     """Labelled values below each other; those that are empty are left out."""
     return table([(label, value) for label, value in pairs.items() if value], indent="  ")
-
-
-def finite(value: Any) -> Any:
-    """Plain values with null in place of numbers that JSON does not have."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(item) for item in value]
-    return value

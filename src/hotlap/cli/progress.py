@@ -49,13 +49,14 @@ def follow(budget: int, flown: int, seconds: float = 0.0, spent: float = 0.0) ->
 
 
 @contextmanager
-def follow_pieces(unit: str, wanted: int, done: int) -> Iterator[Callable[[str], None]]:
+def follow_pieces(unit: str, wanted: int, done: int, *, even: bool = True) -> Iterator[Callable[[str], None]]:
     """Show how many pieces of some work are done.
 
     Args:
         unit: what they are, in the plural.
         wanted: how many in all.
         done: how many of them before this run of the program.
+        even: whether each takes about as long as the others, so that the bar can tell pace and time left; else the words do.
 
     Yields:
         What to call with a few words on each piece that has ended.
@@ -65,7 +66,8 @@ def follow_pieces(unit: str, wanted: int, done: int) -> Iterator[Callable[[str],
         yield Tally(unit, wanted, done).say
         return
     state = TextColumn("{task.fields[state]}", markup=False)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Pace(), TimeRemainingColumn(), state)
+    pace_and_time = (Pace(), TimeRemainingColumn()) if even else ()
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), *pace_and_time, state)
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(unit, total=wanted, completed=done, state="")
         yield lambda words: progress.update(task, advance=1, state=words)
@@ -127,6 +129,7 @@ class Terminal:
     working = staticmethod(working)
     flights = staticmethod(follow)
     pieces = staticmethod(follow_pieces)
+    rounds = staticmethod(follow_rounds)
 
 
 TERMINAL = Terminal()

@@ -15,7 +15,7 @@ from hotlap.cli.stopping import remark
 from hotlap.core.errors import InputError, StudyError
 from hotlap.race.controllers import ControllerKind
 from hotlap.report.article import Article
-from hotlap.reproduce.experiments import EXPERIMENTS, perform
+from hotlap.reproduce.experiments import EXPERIMENTS, UnavailableError, perform
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
@@ -35,7 +35,13 @@ def run(options: Namespace) -> int:
         for name in EXPERIMENTS if options.experiment == "all" else (options.experiment,):
             note(f"{name}:")
             jobs = ResumableJobs(folder / (f"{name}-quick" if options.quick else name), options.jobs, follow_pieces, note)
-            page = perform(name, jobs, quick=options.quick)
+            try:
+                page = perform(name, jobs, quick=options.quick)
+            except UnavailableError as error:
+                if options.experiment != "all":
+                    raise
+                note(f"note: {name} is left out: {error}")
+                continue
             paths = _write(jobs.folder, page)
             pages.append((name, page, paths))
     document = {"experiments": {name: _dump(page, paths) for name, page, paths in pages}}

@@ -12,7 +12,7 @@ from hotlap.api.checking import check
 from hotlap.api.tuned import TuningResult
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds, share
-from hotlap.cli.held import show_robustness
+from hotlap.cli.held import show_advice, show_robustness
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, facts, present
 from hotlap.cli.progress import TERMINAL
@@ -25,16 +25,16 @@ from hotlap.tuning.goal_forms import LAP_TIME
 
 def run(options: Namespace) -> int:
     """Tune, and say how it ended: 1 where the goal was not confirmed within the budget."""
-    if options.goal.strip() == LAP_TIME:
-        from hotlap.cli import fastest  # noqa: PLC0415  the search for plans is work of its own
-
-        return fastest.run(options)
     try:
         tuned = tune(**arguments_of(tune, options), progress=TERMINAL)
     except InputError as error:
         if error.key != "goal" or error.source:
             raise
         raise InputError("", error.key, f"{error.reason}; {LAP_TIME} looks for the fastest plan") from None
+    if not isinstance(tuned, TuningResult):
+        from hotlap.cli import fastest  # noqa: PLC0415  the search for plans is work of its own
+
+        return fastest.present_result(tuned, as_json=options.json)
     present(as_json=options.json, document=tuned.to_dict(), lines=summarise(tuned, _check(options)))
     return 0 if tuned.confirmed or tuned.result.goal == Quantity.NONE else 1
 
@@ -73,10 +73,7 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     if tuned.robustness:
         yield "will it hold?"
         yield from show_robustness(tuned.robustness)
+    yield from show_advice(tuned.failures, tuned.advice)
     yield f"fly it again: {tuned.again}"
     if not tuned.confirmed and not no_goal:
-        yield from tuned.advice
-        if tuned.causes:
-            yield "why flights fail, and what to try:"
-            yield from (f"  {cause.words}" for cause in tuned.causes)
         yield f"what may be in the way: {further}"

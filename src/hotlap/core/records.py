@@ -49,7 +49,7 @@ class Log:
     Attributes:
         times: shape (steps,) [s].
         states: shape (steps, 13): position, attitude, velocity (world), rates (body).
-        rotor_thrusts: shape (steps, 4) [N].
+        rotor_thrusts: shape (steps, n) [N], of n rotors.
         commands: shape (steps, 4): thrust per mass [m/s^2] and rates [rad/s] as the controller gave them.
         estimates: shape (steps, 4): thrust effectiveness [-] and disturbance [m/s^2] (world) as the controller's observer estimated them;
             1 and 0 where it estimates none, None where the world has no log of them.

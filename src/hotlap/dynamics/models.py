@@ -8,12 +8,13 @@ Vectors are CasADi columns; conventions are those of `quadrotor.py`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import casadi as ca
 
-from hotlap.dynamics.parameter_layout import AIRFRAME, AUTOPILOT, DISTURBANCE, MODEL, PLANNING_PARAMETERS, VEHICLE
+from hotlap.dynamics.parameter_layout import AUTOPILOT, DISTURBANCE, MODEL, VEHICLE, airframe_layout, planning_parameters
 
 Expression = Any  # casadi.SX; CasADi ships no types
 
@@ -58,29 +59,30 @@ def point_mass() -> ca.Function:
     return ca.Function("point_mass", [state, thrust, parameters], [ca.vertcat(velocity, acceleration)])
 
 
-def planning_model() -> ca.Function:
+def planning_model(rotors: int = 4) -> ca.Function:
     """(state p v q w, rotor thrusts, parameters) -> state': rigid body with linear drag, as in rpg_time_optimal."""
-    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", 4), ca.SX.sym("c", PLANNING_PARAMETERS)
+    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", rotors), ca.SX.sym("c", planning_parameters(rotors))
     velocity, attitude, rates = state[3:6], state[6:10], state[10:]
     mass, gravity, drag, inertia = parameters[0], parameters[1], parameters[2], parameters[3:6]
-    torques = ca.reshape(parameters[6:], 4, 3).T @ thrusts
+    torques = ca.reshape(parameters[6:], rotors, 3).T @ thrusts
     acceleration = thrust_axis(attitude) * (ca.sum1(thrusts) / mass) - ca.vertcat(0, 0, gravity) - drag * velocity
     derivative = ca.vertcat(velocity, acceleration, quaternion_rate(attitude, rates), angular_acceleration(rates, torques, inertia))
     return ca.Function("planning_model", [state, thrusts, parameters], [derivative])
 
 
-def point_mass_in_air() -> ca.Function:
-    """(state p v, thrust vector per mass, `AIRFRAME`) -> state': with the drags of a vehicle whose body z is the direction of its thrust.
+def point_mass_in_air(rotors: int = 4) -> ca.Function:
+    """(state p v, thrust vector per mass, `airframe_layout`) -> state': with the drags of a vehicle whose body z is along its thrust.
 
     In the plane of the rotors, where a point mass has no heading, drag is the mean of both axes.
     """
-    state, thrust, parameters = ca.SX.sym("x", 6), ca.SX.sym("u", 3), ca.SX.sym("c", sum(AIRFRAME.values()))
-    vehicle, velocity = _split(parameters, AIRFRAME), state[3:]
+    state, thrust, parameters = ca.SX.sym("x", 6), ca.SX.sym("u", 3), ca.SX.sym("c", sum(airframe_layout(rotors).values()))
+    vehicle, velocity = split(parameters, airframe_layout(rotors)), state[3:]
     size = ca.sqrt(ca.dot(thrust, thrust) + LEAST_PUSH**2)
     axis = thrust / size
     along = ca.dot(velocity, axis)
     across = velocity - along * axis
-    level = (vehicle["drag"][0] + vehicle["drag"][1]) / 2 + 2 * ca.sqrt(vehicle["mass"] * size) * vehicle["rotor_drag"] / vehicle["mass"]
+    roots = math.sqrt(rotors) * ca.sqrt(vehicle["mass"] * size)  # of the rotor thrusts, summed
+    level = (vehicle["drag"][0] + vehicle["drag"][1]) / 2 + roots * vehicle["rotor_drag"] / vehicle["mass"]
     broad = (vehicle["body_drag"][0] + vehicle["body_drag"][1]) / 2 * ca.sqrt(ca.dot(across, across) + LEAST_SPEED**2)
     face = vehicle["body_drag"][2] * ca.sqrt(along**2 + LEAST_SPEED**2)
     drag = (level + broad / vehicle["mass"]) * across + (vehicle["drag"][2] + face / vehicle["mass"]) * along * axis
@@ -93,16 +95,16 @@ LEAST_SPEED = 0.1  # m/s, so that a speed can be differentiated at rest
 LEAST_ROTOR = 1e-3  # share of the weight that a rotor carries in hover, so that the square root of its thrust can be differentiated
 
 
-def airframe() -> ca.Function:
-    """(state p v q w, rotor thrusts, `AIRFRAME`) -> state': rigid body with all drags of the vehicle, as the plant flies it."""
-    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", 4), ca.SX.sym("c", sum(AIRFRAME.values()))
-    vehicle = _split(parameters, AIRFRAME)
+def airframe(rotors: int = 4) -> ca.Function:
+    """(state p v q w, rotor thrusts, `airframe_layout`) -> state': rigid body with all drags of the vehicle, as the plant flies it."""
+    state, thrusts, parameters = ca.SX.sym("x", 13), ca.SX.sym("u", rotors), ca.SX.sym("c", sum(airframe_layout(rotors).values()))
+    vehicle = split(parameters, airframe_layout(rotors))
     velocity, attitude, rates = state[3:6], state[6:10], state[10:]
-    rotation, least = rotation_matrix(attitude), LEAST_ROTOR * vehicle["mass"] * vehicle["gravity"] / 4
+    rotation, least = rotation_matrix(attitude), LEAST_ROTOR * vehicle["mass"] * vehicle["gravity"] / rotors
     speeds = ca.sum1(ca.sqrt(ca.sqrt(thrusts**2 + least**2)))
-    drag = rotation @ _drag(rotation.T @ velocity, speeds, vehicle)
+    drag = rotation @ drag_of(rotation.T @ velocity, speeds, vehicle)
     acceleration = thrust_axis(attitude) * (ca.sum1(thrusts) / vehicle["mass"]) - vehicle["gravity"] * E3 - drag
-    turn = angular_acceleration(rates, ca.reshape(vehicle["torques"], 4, 3).T @ thrusts, vehicle["inertia"])
+    turn = angular_acceleration(rates, ca.reshape(vehicle["torques"], rotors, 3).T @ thrusts, vehicle["inertia"])
     derivative = ca.vertcat(velocity, acceleration, quaternion_rate(attitude, rates), turn)
     return ca.Function("airframe", [state, thrusts, parameters], [derivative])
 
@@ -180,15 +182,15 @@ def drag_node_map() -> ca.Function:
     give the same thrust.
     """
     x, u, h, constants = ca.SX.sym("x", 10), ca.SX.sym("u", 4), ca.SX.sym("h"), ca.SX.sym("c", sum(MODEL.values()))
-    vehicle = _split(constants, MODEL)
+    vehicle = split(constants, MODEL)
     speeds = _rotor_speeds(u[0], vehicle)
 
     def push(state: Expression) -> Expression:
         """The state after half of the drag."""
         rotation = rotation_matrix(state[3:7])
         air = rotation.T @ state[7:]
-        middle = air - h / 4 * _drag(air, speeds, vehicle)
-        return ca.vertcat(state[:7], state[7:] - h / 2 * (rotation @ _drag(middle, speeds, vehicle)))
+        middle = air - h / 4 * drag_of(air, speeds, vehicle)
+        return ca.vertcat(state[:7], state[7:] - h / 2 * (rotation @ drag_of(middle, speeds, vehicle)))
 
     return ca.Function("drag_node_map", [x, u, h, constants], [push(_node(push(x), u, h, vehicle["gravity"]))], {"cse": True})
 
@@ -199,8 +201,8 @@ def air_drag() -> ca.Function:
     All rotors are taken to give the same thrust.
     """
     x, u, constants = ca.SX.sym("x", 10), ca.SX.sym("u", 4), ca.SX.sym("c", sum(MODEL.values()))
-    vehicle, rotation = _split(constants, MODEL), rotation_matrix(x[3:7])
-    drag = rotation @ _drag(rotation.T @ x[7:], _rotor_speeds(u[0], vehicle), vehicle)
+    vehicle, rotation = split(constants, MODEL), rotation_matrix(x[3:7])
+    drag = rotation @ drag_of(rotation.T @ x[7:], _rotor_speeds(u[0], vehicle), vehicle)
     return ca.Function("air_drag", [x, u, constants], [drag], {"cse": True})
 
 
@@ -251,7 +253,7 @@ def linearised_node_map() -> ca.Function:
     return ca.Function("linearised_node_map", inputs, [bounded, reached, jacobian], {"cse": True})
 
 
-def _split(symbol: Expression, sizes: Mapping[str, int]) -> dict[str, Expression]:
+def split(symbol: Expression, sizes: Mapping[str, int]) -> dict[str, Expression]:
     """Named parts of a column."""
     ends = [sum(list(sizes.values())[:k]) for k in range(len(sizes) + 1)]
     return dict(zip(sizes, ca.vertsplit(symbol, ends), strict=True))
@@ -271,7 +273,7 @@ def _rotor_command(rates: Expression, speeds: Expression, command: Expression, v
     return ca.fmin(ca.fmax(thrusts, vehicle["rotor_thrust"][0]), vehicle["rotor_thrust"][1])
 
 
-def _drag(air: Expression, speeds: Expression, vehicle: dict) -> Expression:
+def drag_of(air: Expression, speeds: Expression, vehicle: dict) -> Expression:
     """Deceleration by all drags (body), of a velocity through the air (body); `speeds` sums the square roots of the rotor thrusts."""
     along = ca.vertcat(air[:2] * speeds, 0)  # RotorS: in the rotor plane, with the rotors' speed
     return (vehicle["rotor_drag"] * along + vehicle["body_drag"] * air * ca.fabs(air)) / vehicle["mass"] + vehicle["drag"] * air
@@ -283,7 +285,7 @@ def _body(state: Expression, speeds: Expression, vehicle: dict, disturbance: dic
     rotation, thrusts = rotation_matrix(attitude), speeds**2
     air = rotation.T @ velocity
     thrust = ca.sum1(thrusts) * disturbance["thrust_factor"] / vehicle["mass"] * E3
-    acceleration = rotation @ (thrust - _drag(air, ca.sum1(speeds), vehicle)) - vehicle["gravity"] * E3 + disturbance["wind"]
+    acceleration = rotation @ (thrust - drag_of(air, ca.sum1(speeds), vehicle)) - vehicle["gravity"] * E3 + disturbance["wind"]
     torque = ca.reshape(vehicle["torques"], 4, 3).T @ thrusts
     turn = angular_acceleration(rates, torque, vehicle["inertia"])
     return ca.vertcat(velocity, quaternion_rate(attitude, rates), acceleration, turn)
@@ -298,7 +300,7 @@ def plant_step() -> ca.Function:
     state, command, step = ca.SX.sym("x", 17), ca.SX.sym("u", 4), ca.SX.sym("h")
     vehicle, autopilot = ca.SX.sym("v", sum(VEHICLE.values())), ca.SX.sym("a", sum(AUTOPILOT.values()))
     disturbance = ca.SX.sym("d", sum(DISTURBANCE.values()))
-    actual, assumed, chance = _split(vehicle, VEHICLE), _split(autopilot, AUTOPILOT), _split(disturbance, DISTURBANCE)
+    actual, assumed, chance = split(vehicle, VEHICLE), split(autopilot, AUTOPILOT), split(disturbance, DISTURBANCE)
     body, speeds = state[:13], state[13:]
     gap = ca.sqrt(_rotor_command(body[10:], speeds, command, actual, assumed)) - speeds
     up, down = actual["motor_shares"][0], actual["motor_shares"][1]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hotlap.core.errors import InputError
+from hotlap.exporters.flown_with import flown_with, not_reproduced
 from hotlap.exporters.tuned import ExportedParameters, need_weights, read_tuned
 from hotlap.race.race import ReferenceTime
 from hotlap.study.study import Study
@@ -39,6 +40,7 @@ def weights(tuned: ExportedParameters) -> dict[str, Any]:
     settings, race, reference = tuned.controller, tuned.scenario.race, tuned.scenario.reference
     lead = race.prediction if settings.reference_time is ReferenceTime.EXECUTION else 0.0
     pieces = tuned.scenario.segments.pieces
+    least, most = tuned.scenario.planned_thrust
     points = reference.position_at(tuned.scenario.segments.starts).tolist()
     return {
         "race": race.name,
@@ -46,8 +48,8 @@ def weights(tuned: ExportedParameters) -> dict[str, Any]:
         "nodes": settings.nodes,
         "state": STATE,
         "input": INPUT,
-        "low": [settings.thrust[0], *(-rate for rate in settings.rates)],
-        "high": [settings.thrust[1], *settings.rates],
+        "low": [least, *(-rate for rate in settings.rates)],
+        "high": [most, *settings.rates],
         "input_reference": "reference" if settings.feed_forward else "hover",
         "control_period": settings.period,
         "prediction": race.prediction,
@@ -60,6 +62,8 @@ def weights(tuned: ExportedParameters) -> dict[str, Any]:
             {"segment": piece.segment, "class": piece.kind, "start": piece.start, "end": piece.end, "point": point}
             for piece, point in zip(pieces, points, strict=True)
         ],
+        "flown_with": flown_with(tuned.scenario),
+        "not_reproduced": not_reproduced(tuned.scenario, own_model=True),
         "provenance": dict(tuned.saved.provenance),
     }
 

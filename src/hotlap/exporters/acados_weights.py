@@ -10,6 +10,8 @@ quaternion of yref is to have the sign of the measured one: |q - q_ref| is charg
 The cost that was tuned is a plain sum over the nodes; acados multiplies a stage's cost by its time step, and the end's by 1. So W is
 divided by the time step here. This holds whatever `cost_scaling` the stages of the solver were made with: setting new time steps sets
 the factors of the stages to them. That of the end is to be 1, its default.
+
+What the tuned controller flew with stands in the JSON under `flown_with`, and what of it no weights bring to acados under `not_reproduced`.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ class TunedWeights:
     Attributes:
         nodes: N, shooting intervals.
         low, high: shape (4,), bounds of the inputs.
+        not_reproduced: what the tuned controller did besides, and acados does not: a sentence for each.
         piece: of the reference, that the drone flies with.
     """
 
@@ -37,6 +40,7 @@ class TunedWeights:
         self.data = json.loads(Path(path).read_text(encoding="utf-8"))
         self.nodes = self.data["nodes"]
         self.low, self.high = np.array(self.data["low"]), np.array(self.data["high"])
+        self.not_reproduced = self.data["not_reproduced"]
         self._starts = np.array([piece["start"] for piece in self.data["pieces"]])
         self.reset()
 

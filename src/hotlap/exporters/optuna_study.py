@@ -12,6 +12,7 @@ from hotlap.core.errors import InputError
 from hotlap.core.ledger import Ledger
 from hotlap.core.seeds import Stream
 from hotlap.core.version import __version__
+from hotlap.exporters.flown_with import flown_with
 from hotlap.study.study import Study
 from hotlap.system.text_files import written_whole
 
@@ -105,6 +106,7 @@ def _remarks(study: Study) -> dict[str, Any]:
         "world": configuration.world,
         "metric": str(configuration.metric),
         "tuner": configuration.tuner,
+        "flown_with": flown_with(configuration.scenario),
         "segments": [str(kind) for kind in configuration.scenario.segments.segment_classes],
     }
     return known if result is None else known | {key: value for key, value in result.dump().items() if value is not None}

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from hotlap.exporters.flown_with import not_reproduced, plan_words
 from hotlap.exporters.tuned import ExportedParameters, need_weights, read_tuned
+from hotlap.race.controller_kind import kind_and_solver
 from hotlap.race.race import SegmentSwitch
 from hotlap.study.study import Study
 from hotlap.system.text_files import replace
@@ -48,14 +50,20 @@ def _head(tuned: ExportedParameters) -> list[str]:
     settings, race = tuned.controller, tuned.scenario.race
     segment_switch = SAID[settings.segment_switch].format(distance=settings.segment_switch_distance)
     ahead = race.prediction
+    kind, solver = kind_and_solver(settings.law)
+    plan, missing = plan_words(tuned), not_reproduced(tuned.scenario, own_model=False)
     inputs = "those of the reference" if settings.feed_forward else "hover"
     return [
         f"# Tuned by hotlap for {race.name}: parameters of rpg_mpc, a list entry for each segment.",
         f"# A segment takes over from the one before {segment_switch}.",
         f"# Tuned with {settings.nodes} nodes; reference inputs: {inputs}; thrust is per mass. The cost is a plain sum, as in ACADO.",
+        f"# Tuned was {kind}, solved by {solver}, with a control step every {settings.period * 1e3:g} ms.",
+        *([f"# Planned with {plan}."] if plan else []),
         f"# Before each control step the state is predicted by {ahead * 1e3:g} ms.",
         "# rpg_mpc as published reads neither Q_horizon nor the lists: it flies the first segment's weights on the horizon of its",
         f"# generated solver, {RPG_NODES} nodes {RPG_SPACING:g} s apart. The lists are read by the controller of mh_autotune.",
+        *(["# The tuned controller had, and rpg_mpc has not:"] if missing else []),
+        *(f"#   - {sentence}" for sentence in missing),
     ]
 
 
@@ -74,6 +82,7 @@ def _fixed(tuned: ExportedParameters) -> list[str]:
     """What was not tuned."""
     settings = tuned.controller
     roll, pitch, yaw = settings.rates
+    least, most = tuned.scenario.planned_thrust
     keys = {
         "R_thrust": settings.input_weights[0],
         "R_pitchroll": settings.input_weights[1],
@@ -82,8 +91,8 @@ def _fixed(tuned: ExportedParameters) -> list[str]:
         "input_cost_exponential": 0.0,
         "max_bodyrate_xy": min(roll, pitch),
         "max_bodyrate_z": yaw,
-        "min_thrust": max(settings.thrust[0], LEAST_THRUST),
-        "max_thrust": settings.thrust[1],
+        "min_thrust": max(least, LEAST_THRUST),
+        "max_thrust": most,
     }
     camera = ["p_B_C: [0.0, 0.0, 0.0]", "q_B_C: [1.0, 0.0, 0.0, 0.0]", "print_info: false"]
     return ["", "# Input costs and limits: m/s^2, rad/s", *(f"{key}: {number(value)}" for key, value in keys.items()), *camera]

@@ -153,7 +153,8 @@ def margin(
     wind, steps = noise.steady_wind + noise.wind, round(HELD / reference.period)
     vectors = needed_vectors(race.vehicle, reference) if vectors is None else vectors
     left = running_mean(1 - _lost(vehicle, in_wind(vectors, wind), reference.period), steps)
-    effectiveness, rotors = left * race.control_model.mass / vehicle["mass"], 4 * vehicle["rotor_thrust_max"] / race.control_model.mass
+    effectiveness = left * race.control_model.mass / vehicle["mass"]
+    rotors = race.vehicle.rotor_count * vehicle["rotor_thrust_max"] / race.control_model.mass
     most, turning = race.controller.thrust[1], FOR_TORQUE * rotors
     available = _available(most, rotors, effectiveness, offset_free=offset_free)
     reserved = np.minimum(most, effectiveness * turning) if offset_free else effectiveness * min(most, turning)

@@ -9,6 +9,7 @@ from hotlap.race.flight_performance import FASTEST, command_lag, hover_share, ma
 from hotlap.race.quadrotor import Quadrotor
 
 MINUTE = 60.0  # s
+ROTORS = ("four", "five", "six", "seven", "eight")
 SLUGGISH = 0.1  # s from a command to what it asks for; the drones of the built-in races take 0.03 to 0.1
 
 
@@ -18,13 +19,14 @@ def describe_quadrotor(quadrotor: Quadrotor) -> tuple[Finding, ...]:
     weak = "too little for racing" if ratio < 1.5 else ""
     dragless = not any((*quadrotor.drag, *quadrotor.body_drag, quadrotor.rotor_drag))
     unlimited = "no drag is given" if dragless else f"its drag does not hold it below {FASTEST:g} m/s"
+    gain = float(quadrotor.hover_rate_gain[0])
     return (
         Finding("thrust-to-weight", f"{ratio:.2f}", weak, note_if(ratio < 1.5)),
         Finding("hover throttle", f"{hover_share(quadrotor):.0%}", "of the largest thrust"),
         Finding("largest tilt", f"{math.degrees(max_tilt(quadrotor)):.0f} deg", "that keeps its height"),
         Finding("top speed", f"{fastest:.1f} m/s", "in level flight") if math.isfinite(fastest) else Finding("top speed", "-", unlimited),
-        Finding("roll acceleration", f"{roll_acceleration(quadrotor):.0f} rad/s^2", "with all four rotors"),
-        Finding("rate loop", f"{quadrotor.rate_gain[0] / (2 * math.pi):.1f} Hz", f"roll; settles in {3 / quadrotor.rate_gain[0]:.2f} s"),
+        Finding("roll acceleration", f"{roll_acceleration(quadrotor):.0f} rad/s^2", f"with all {ROTORS[quadrotor.rotor_count - 4]} rotors"),
+        Finding("rate loop", f"{gain / (2 * math.pi):.1f} Hz", f"roll; settles in {3 / gain:.2f} s"),
         _damping(quadrotor),
         *_inertia(quadrotor),
         lag(quadrotor),

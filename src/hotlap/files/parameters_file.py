@@ -18,6 +18,7 @@ from hotlap.reference.segmentation import Piece, SegmentClass, Segments
 Remark = str | int | float | bool
 
 OWN = ("class", "start", "end")  # keys of a segment that are no parameters
+CHOSEN_SHARE = "thrust_share"  # in the provenance: of the thrust, in a plan that was chosen
 LARGEST = 1e300  # beyond this a number is a slip of the pen
 
 
@@ -31,6 +32,7 @@ class SavedParameters:
         segments: what the rows of `values` belong to.
         values: shape (S, K), in the units of the space.
         provenance: how they were found: versions, seed, success rate in the validation.
+        flown_with: remarks on the controller that flew them: what no parameter says. Nothing that reads the file acts on them.
     """
 
     race: str
@@ -38,12 +40,14 @@ class SavedParameters:
     segments: Segments
     values: NDArray[np.float64]
     provenance: Mapping[str, Remark] = field(default_factory=dict)
+    flown_with: Mapping[str, Remark] = field(default_factory=dict)
 
     def to_table(self) -> dict[str, Any]:
         """The content of the file."""
         pieces = [[piece for piece in self.segments.pieces if piece.segment == i] for i in range(len(self.segments))]
         rows = [_times(own) | dict(zip(self.names, map(float, row), strict=True)) for own, row in zip(pieces, self.values, strict=True)]
-        return {"race": self.race, "names": list(self.names), "provenance": dict(self.provenance), "segment": rows}
+        head = {"race": self.race, "names": list(self.names), "provenance": dict(self.provenance)}
+        return {**head, **({"flown_with": dict(self.flown_with)} if self.flown_with else {}), "segment": rows}
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], source: str) -> SavedParameters:
@@ -62,7 +66,7 @@ class SavedParameters:
             raise InputError(source, "names", f"must differ from each other and from {', '.join(OWN)}")
         values = [_row(row, names, f"segment[{i}]", source) for i, row in enumerate(content.segment)]
         pieces = [piece for i, row in enumerate(content.segment) for piece in _pieces(row, i, source)]
-        return cls(content.race, names, _segments(pieces, source), np.array(values), content.provenance)
+        return cls(content.race, names, _segments(pieces, source), np.array(values), content.provenance, content.flown_with)
 
 
 class _Content(Described):
@@ -72,6 +76,7 @@ class _Content(Described):
         race: name of the race that they were tuned for.
         names: names of the parameters.
         provenance: remarks on their making.
+        flown_with: remarks on the controller that flew them.
         segment: one table for each segment: class, start, end and a value for each name. A segment of several pieces has lists of
             starts and ends.
     """
@@ -79,6 +84,7 @@ class _Content(Described):
     race: str
     names: tuple[str, ...] = Field(min_length=1)
     provenance: dict[str, Any] = Field(default_factory=dict)
+    flown_with: dict[str, Any] = Field(default_factory=dict)
     segment: tuple[dict[str, Any], ...] = Field(min_length=1)
 
 

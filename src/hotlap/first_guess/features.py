@@ -69,7 +69,7 @@ OF_A_PIECE: Mapping[str, Callable[[Stretch], float]] = {
 OF_A_RACE: Mapping[str, Callable[[Race], float]] = {
     "thrust_to_weight": lambda race: race.vehicle.thrust_to_weight,
     "unknown_delay": lambda race: race.vehicle.delay - (race.control_model.delay if race.controller.predict else 0.0),
-    "response_time": lambda race: 1 / race.vehicle.rate_gain[0] + sum(race.vehicle.motor_time) / 2,
+    "response_time": lambda race: 1 / float(race.vehicle.hover_rate_gain[0]) + sum(race.vehicle.motor_time) / 2,
     "closest": lambda race: float(race.judge.rule is not GateRule.CLOCK),
 }
 """Features of vehicle and rules: thrust over weight, dead time [s] that the control model lacks, lag [s] of motors and rate loop, and

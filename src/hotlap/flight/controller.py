@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
+from hotlap.flight.command_log import CommandLog
 from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
-from hotlap.flight.fly import acting, predicting, prepare, settings_of
+from hotlap.flight.fly import predicting, prepare, settings_of
 from hotlap.flight.job import Job, Settings
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers
@@ -37,6 +38,7 @@ from hotlap.reference.scenario import Scenario
 
 STATE = 10  # p q v; body rates may follow and are not used
 MOST_AGE = 0.25  # s
+LEAST_STEP = 1e-6  # s: a state that is measured no later than the one before teaches nothing
 
 
 class Controller:
@@ -54,12 +56,13 @@ class Controller:
         whole = np.array(np.broadcast_to(parameters, (len(scenario.segments), scenario.space.size)), dtype=np.float64)
         self._job, _ = prepare(scenario, whole[None], np.zeros(1, dtype=np.int64), Numbers.FLOAT64, None, ())
         self._settings = settings_of(scenario)._replace(stop_early=False)  # the same work at every step
-        self._dead_time, self._known_delay = scenario.race.prediction, scenario.race.control_model.delay
+        self._race, self._dead_time, self._known_delay = scenario.race, scenario.race.prediction, scenario.race.control_model.delay
         law = scenario.race.controller.law
         self._memory = CONTROLLERS[law].allocate(self._settings, 1, np.float64)
         self._begin, self._step = _steps(law)
-        commands = math.ceil((max(self._dead_time, self._known_delay) + MOST_AGE) / self._settings.period) + 2
+        commands = math.ceil((max(self._dead_time, self._known_delay) + MOST_AGE) / self._settings.period) + 4
         self._loop = allocate_control_loop(commands, 1, np.float64)
+        self._log = CommandLog(self._loop.history[:, :, 0], self._settings.period)
         self.reset()
 
     def reset(self, thrust_effectiveness: float = 1.0, disturbance: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
@@ -80,9 +83,10 @@ class Controller:
             raise HotlapError(f"estimates begin with {limits}, not {start.tolist()}")
         if not self.is_offset_free and start.tolist() != [1.0, 0.0, 0.0, 0.0]:
             raise HotlapError("this controller estimates nothing: controller.offset_free is off, or the plan leaves no thrust for it")
-        self._piece, self._time = FRESH, -np.inf
+        self._piece, self._time, self._measured = FRESH, -np.inf, -np.inf
         self._begin(self._job, self._settings, self._memory, self._loop)
         begin_with(self._loop, start, self._settings.gravity)
+        self._log.reset()
 
     @property
     def is_offset_free(self) -> bool:
@@ -100,9 +104,10 @@ class Controller:
         return self._loop.estimate[DISTURBANCE:VELOCITY, 0].copy()
 
     def command(self, time: float, state: NDArray[np.float64], age: float = 0.0) -> NDArray[np.float64]:
-        """Compute the command that is to be sent now; to be called once in every control period, in order of time.
+        """Compute the command that is to be sent now; to be called about once in every control period, in order of time.
 
-        Over a known dead time (the model's `delay`) the state is predicted through the commands that were given before.
+        The plan moves on, and the observer looks back, over the time that has passed since the call before. Over a known dead time (the
+        model's `delay`) the state is predicted through the commands that were given before.
 
         Args:
             time: [s] since the start of the reference.
@@ -124,13 +129,14 @@ class Controller:
         seen = self._loop.seen[:, 0]
         seen[:] = state[:STATE]
         seen[3:7] *= np.sign(seen[3:7] @ self._attitude(time)) or 1.0  # q and -q are one attitude; the nearer one is meant
-        elapsed = min(time - self._time, 1e3)
-        follow_clock(self._loop, elapsed, self._settings.period)
-        settings = self._settings
-        if age > 0:
-            settings = acting(predicting(settings, self._dead_time + age), self._known_delay + age)
+        elapsed, observed = (self._log.rounded(min(span, 1e3)) for span in (time - self._time, time - age - self._measured))
+        observed = max(observed, LEAST_STEP)
+        follow_clock(self._loop, self._race, observed)
+        settings = self._settings if age == 0 else predicting(self._settings, self._dead_time + age)
+        settings = self._log.lay_out(settings, elapsed, self._known_delay + age, observed)
         self._piece = self._step(self._job, settings, self._memory, self._loop, self._piece, float(time), float(elapsed))
-        self._time = time
+        self._time, self._measured = time, max(self._measured, time - age)
+        self._log.keep()
         return self._loop.history[0, :, 0].copy()
 
     def _attitude(self, time: float) -> NDArray[np.float64]:

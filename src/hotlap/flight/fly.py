@@ -20,9 +20,11 @@ from hotlap.flight.kernel import fly_queue
 from hotlap.flight.line_search import LONGEST_PART
 from hotlap.flight.numbers import Numbers
 from hotlap.flight.observer import drag_free, known_drag, observer_numbers
-from hotlap.flight.plant import autopilot_numbers, model_numbers, vehicle_numbers
+from hotlap.flight.plant import model_numbers
+from hotlap.flight.plants import allocator, plant_numbers
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import switch_number
+from hotlap.race.plant_kind import plant_kind_of
 from hotlap.race.race import PLANT_STEP, ReferenceTime
 from hotlap.race.vehicle_parameters import part_of, vehicle_parameters_of
 from hotlap.reference.scenario import Scenario
@@ -75,12 +77,13 @@ def fly_batch(
     job, gates = prepare(scenario, parameters, seeds, numbers, vehicle_parameters, log)
     verdicts = new_verdicts(len(seeds), len(gates.times))
     settings, law = settings_of(scenario)._replace(sagging=bool(job.sags.any())), scenario.race.controller.law
+    plant, allocate = plant_kind_of(scenario.race.vehicle), allocator(scenario.race.vehicle)
     crew = min(threads or available(), -(-len(seeds) // numbers.lanes))
     if crew <= 1:
-        effort = fly_queue(numbers, law, job, settings, gates, verdicts)
+        effort = fly_queue(numbers, law, plant, allocate, job, settings, gates, verdicts)
     else:
         with ThreadPoolExecutor(crew) as pool:  # compiled code runs without the interpreter's lock
-            effort = sum(pool.map(lambda _: fly_queue(numbers, law, job, settings, gates, verdicts), range(crew)))
+            effort = sum(pool.map(lambda _: fly_queue(numbers, law, plant, allocate, job, settings, gates, verdicts), range(crew)))
     lane_steps, useful_steps = np.asarray(effort).tolist()
     return record(scenario, job, gates, verdicts, log), Effort(lane_steps, useful_steps)
 
@@ -96,6 +99,7 @@ def settings_of(scenario: Scenario) -> Settings:
         node_parts=max(1, math.ceil(controller.widest_spacing / LONGEST_PART - 1e-9)),
         stop_early=True,
         period=controller.period,
+        rotors=race.vehicle.rotor_count,
         steps=round(controller.period / PLANT_STEP),
         plant_step=PLANT_STEP,
         table_period=scenario.reference.period,
@@ -159,7 +163,7 @@ def prepare(
     _check(scenario, parameters, seeds, vehicle_parameters, log)
     gates = gates_of(race.judge, race.track, race.vehicle.outer_radius, reference)
     given = vehicle_parameters_of(race.vehicle)[None] if vehicle_parameters is None else np.asarray(vehicle_parameters, dtype=np.float64)
-    vehicles = vehicle_numbers(given, race.vehicle.layout)
+    vehicles, autopilot = plant_numbers(given, race.vehicle, race.control_model)
     delay_steps = np.rint(part_of(given, "delay")[:, 0] / PLANT_STEP).astype(np.int64)
     in_period = round(controller.period / PLANT_STEP)
     log_rows = np.full(len(seeds), -1, dtype=np.int64)
@@ -182,12 +186,12 @@ def prepare(
         delay_periods=delay_steps // in_period,
         delay_steps=delay_steps % in_period,
         sags=np.hstack([part_of(given, "sag"), part_of(given, "charge_sag")]),
-        autopilot=autopilot_numbers(race.control_model),
+        autopilot=autopilot,
         control_model=model,
         known_drag=known_drag(race, model),
         observer=observer_numbers(race),
         log_rows=log_rows,
-        logs=np.zeros((len(log), math.ceil(last / controller.period) + 2, LOG_COLUMNS)),
+        logs=np.zeros((len(log), math.ceil(last / controller.period) + 2, LOG_COLUMNS + race.vehicle.rotor_count)),
         queue=np.zeros(1, dtype=np.int64),
     )
     return job, gates
@@ -243,5 +247,5 @@ def record(scenario: Scenario, job: Job, gates: Gates, v: Verdicts, log: Sequenc
 def _log(rows: Any, period: float) -> Log:
     """One flight's log."""
     times = np.arange(len(rows), dtype=np.float64) * period
-    states, rotor_thrusts, commands, estimates = np.split(rows, (13, 17, 21), axis=1)
+    states, commands, estimates, rotor_thrusts = np.split(rows, (13, 17, 21), axis=1)
     return Log(times, states.copy(), rotor_thrusts.copy(), commands.copy(), estimates.copy())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-LOG_COLUMNS = 25  # p q v w, rotor thrusts, command, estimates
+LOG_COLUMNS = 21  # p q v w, command, estimates; the rotor thrusts stand behind them
 
 
 class Settings(NamedTuple):
@@ -15,6 +15,7 @@ class Settings(NamedTuple):
         node_parts: parts of a node in which `line_search` flies its model.
         stop_early: leave out sweeps that would change nothing; False: every control step is the same work.
         period: [s] of the control loop.
+        rotors: of the vehicle.
         steps: of the plant in each period.
         plant_step: [s].
         table_period: [s] between rows of the reference.
@@ -44,6 +45,7 @@ class Settings(NamedTuple):
     node_parts: int
     stop_early: bool
     period: float
+    rotors: int
     steps: int
     plant_step: float
     table_period: float
@@ -90,7 +92,7 @@ class Job(NamedTuple):
         seeds: (B,).
         input_weights: (4,) R.
         low, high: (4,) bounds of the inputs.
-        vehicles: (B or 1, V) as `plant.vehicle_numbers` gives them.
+        vehicles: (B or 1, V) as `plants.plant_numbers` gives them.
         delay_periods, delay_steps: (B or 1,) dead time in control periods and, beyond them, in steps of the plant.
         sags: (B or 1, 2) share of thrust lost over the reference's duration, and in a second for each N^1.5 of thrust.
         autopilot: (A,).
@@ -98,7 +100,7 @@ class Job(NamedTuple):
         known_drag: (M,) the same with the drags that `observer` corrects for, else zeros.
         observer: (G,) as `observer.observer_numbers` gives them.
         log_rows: (B,) row in `logs`, -1 for a flight that is not logged.
-        logs: (L, periods + 1, 25).
+        logs: (L, periods + 1, 21 + rotors).
         queue: (1,) next flight that nobody flies yet.
     """
 

@@ -17,17 +17,21 @@ from numpy.typing import NDArray
 
 from hotlap.flight import noise
 from hotlap.flight.control_loop import ControlLoop, allocate_control_loop, begin_control_loop
-from hotlap.flight.job import Job, Settings
+from hotlap.flight.job import LOG_COLUMNS, Job, Settings
 from hotlap.flight.judge import Gates, Verdicts, judge
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers, borrow, fetch_and_add
 from hotlap.flight.lending import lend, lend_parts
 from hotlap.flight.numbers import COMPILE, INLINE, INNER, Numbers
-from hotlap.flight.plant import MASS, THRUST_FACTOR, WIND, VehicleState, allocate_vehicle_state, fly_period
+from hotlap.flight.plant import MASS, THRUST_FACTOR, WIND, VehicleState
+from hotlap.flight.plants import plant_functions
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.flight.segment_switch import FRESH
 from hotlap.race.battery import MOST_LOST
 from hotlap.race.controllers import ControllerKind
+from hotlap.race.plant_kind import PLAIN
+
+Allocate = Callable[[int, type[np.floating[Any]]], Any]
 
 IDLE = -1
 HARDLY = 1e-3  # m: a start that lies less below the floor lies on it
@@ -57,8 +61,20 @@ def allocate_lanes(lanes: int) -> Lane:
     return Lane(flight, tick, piece, correlated=np.zeros((7, lanes)), thrust=np.zeros((2, lanes)))
 
 
-def fly_queue(numbers: Numbers, law: str, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts) -> NDArray[np.int64]:
+def fly_queue(
+    numbers: Numbers, law: str, plant: str, allocate: Allocate, job: Job, settings: Settings, gates: Gates, verdicts: Verdicts
+) -> NDArray[np.int64]:
     """Fly all flights of a queue in this thread; other threads may fly flights of the same queue meanwhile.
+
+    Args:
+        numbers: kind of number to compute in.
+        law: of the controller.
+        plant: kind of plant.
+        allocate: its `plants.allocator`.
+        job: flights as plain arrays.
+        settings: that they share.
+        gates: of the track.
+        verdicts: where the judge writes.
 
     Returns:
         Control steps of all lanes, and of lanes that flew, shape (2,).
@@ -66,19 +82,22 @@ def fly_queue(numbers: Numbers, law: str, job: Job, settings: Settings, gates: G
     lanes, real, effort = numbers.lanes, numbers.dtype, np.zeros(2, dtype=np.int64)
     commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods, settings.acted_periods) + 2
     controller = CONTROLLERS[law].allocate(settings, lanes, real)
-    memory = controller, allocate_control_loop(commands, lanes, real), allocate_vehicle_state(lanes, real)
-    worker(numbers, law)(job, settings, gates, verdicts, *memory, allocate_lanes(lanes), effort)
+    memory = controller, allocate_control_loop(commands, lanes, real), allocate(lanes, real)
+    worker(numbers, law, plant)(job, settings, gates, verdicts, *memory, allocate_lanes(lanes), effort)
     return effort
 
 
 @cache
-def worker(numbers: Numbers, law: str = ControllerKind.MPC) -> Callable[..., None]:
-    """The compiled function (kernel) that flies a queue, for a kind of number and a control law; several threads may call it for one job.
+def worker(numbers: Numbers, law: str = ControllerKind.MPC, plant: str = PLAIN) -> Callable[..., None]:
+    """The compiled function (kernel) that flies a queue, for a kind of number, a control law and a kind of plant.
+
+    Several threads may call it for one job.
 
     Its arguments are those of `work` below; `effort` counts control steps of all lanes, and of lanes that flew, shape (2,).
     """
     width, lanes = numbers.width, numbers.lanes
     begin, aim, control = CONTROLLERS[law].begin, CONTROLLERS[law].aim, CONTROLLERS[law].control
+    settle, fly_period = plant_functions(plant)
 
     def work(
         job: Job,
@@ -99,6 +118,7 @@ def worker(numbers: Numbers, law: str = ControllerKind.MPC) -> Callable[..., Non
         for k in range(lanes):
             busy += start_next_flight(job, s, gates.floor, loop, vehicle_state, lane, k)
             begin(job, s, memory, k)
+            settle(vehicle_state, k)
         while busy > 0:
             effort[0] += lanes
             effort[1] += busy
@@ -120,8 +140,9 @@ def worker(numbers: Numbers, law: str = ControllerKind.MPC) -> Callable[..., Non
                 if lane.flight[k] != IDLE and judge_period(job, s, gates, verdicts, loop, vehicle_state, lane, k):
                     busy += start_next_flight(job, s, gates.floor, loop, vehicle_state, lane, k) - 1
                     begin(job, s, memory, k)
+                    settle(vehicle_state, k)
 
-    return keep(njit(**COMPILE)(work), f"{law}-{numbers}")
+    return keep(njit(**COMPILE)(work), f"{law}-{numbers}" if plant == PLAIN else f"{law}-{numbers}-{plant}")
 
 
 @njit(**COMPILE)
@@ -210,7 +231,7 @@ def actuate(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleStat
         _add_steady_wind(s, vehicle_state, seed, k)
     if s.sagging:
         _draw_battery(job, s, vehicle_state, lane, k)
-    _log(job, loop, vehicle_state, lane, k)
+    _log(job, s, loop, vehicle_state, lane, k)
 
 
 @njit(**INNER)
@@ -234,20 +255,23 @@ def _draw_battery(job: Job, s: Settings, vehicle_state: VehicleState, lane: Lane
     newtons = 0.0
     for n in range(13, 17):
         newtons += float(vehicle_state.state[n, k]) ** 2
+    for n in range(17, 13 + s.rotors):
+        newtons += float(vehicle_state.state[n, k]) ** 2
     lane.thrust[1, k] += job.sags[i, 1] * newtons * math.sqrt(newtons) * s.period
 
 
 @njit(**INLINE)
-def _log(job: Job, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
+def _log(job: Job, s: Settings, loop: ControlLoop, vehicle_state: VehicleState, lane: Lane, k: int) -> None:
     """Write state and command of a flight that is logged."""
     row, tick = job.log_rows[lane.flight[k]], lane.tick[k]
     if row >= 0:
         for n in range(13):
             job.logs[row, tick, n] = vehicle_state.state[n, k]
         for n in range(4):
-            job.logs[row, tick, 13 + n] = vehicle_state.state[13 + n, k] ** 2
-            job.logs[row, tick, 17 + n] = loop.history[0, n, k]
-            job.logs[row, tick, 21 + n] = loop.estimate[n, k]
+            job.logs[row, tick, 13 + n] = loop.history[0, n, k]
+            job.logs[row, tick, 17 + n] = loop.estimate[n, k]
+        for n in range(s.rotors):
+            job.logs[row, tick, LOG_COLUMNS + n] = vehicle_state.state[13 + n, k] ** 2
 
 
 @njit(**INNER)
@@ -278,7 +302,7 @@ def judge_period(
     fastest = max(abs(float(vehicle_state.state[10, k])), abs(float(vehicle_state.state[11, k])), abs(float(vehicle_state.state[12, k])))
     over = judge(verdicts, lane.flight[k], gates, start, before, time, now, reference, fastest)
     if over:
-        _log(job, loop, vehicle_state, lane, k)
+        _log(job, s, loop, vehicle_state, lane, k)
     return over
 
 

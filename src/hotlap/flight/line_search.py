@@ -35,7 +35,7 @@ def _own_sizes(nodes: int, parts: int) -> dict[str, tuple[int, ...]]:
     return {
         "states": (nodes + 1, 10), "cost": (2,), "share": (1,), "open": (1,), "fresh": (1,), "part": (1,),
         "inputs_in_parts": (nodes, parts, 4), "mean_inputs": (nodes, 4), "inputs_now": (4,), "gains_before": (nodes, GAIN_SIZE),
-        "acting": (4,), "after": (10,),
+        "acting": (4,), "after": (10,), "attitude": (4,),
     }  # fmt: skip
 
 
@@ -52,7 +52,8 @@ SearchMpc = namedtuple("SearchMpc", (*Mpc._fields, *_own_sizes(0, 0)))  # noqa: 
     mean_inputs: (N, 4) of the reference over each node.
     inputs_now: (4,) of the reference over the present control period.
     gains_before: (N, 36) of the last control step.
-    acting, after: (4,), (10,) input in a part, and the state after it.
+    acting, after: (4,), (10,) input in a part, and the state after it; before that, the last plan's at a node.
+    attitude: (4,) of a target before it is corrected.
 """
 
 
@@ -75,15 +76,17 @@ def search(
         node: (state, input, duration, constants, state after it).
         model_has_drag: whether the model has the vehicle's drags itself.
     """
-    correct = corrector(model_has_drag=model_has_drag)
+    look, correct = corrector(model_has_drag=model_has_drag)
     warm_start, sweep = _iteration(_trial(node), _policy(linearise, backward))
 
     @njit(**INLINE)
     def control(s: Settings, m: Any, p: ControlLoop) -> None:
         """The whole step."""
         if s.corrected:
-            correct(s, m, p)
+            look(s, p)
         predict(s, m.constants, p)
+        if s.corrected:
+            correct(s, m, p)
         add_reference(m)
         for i in range(10):
             m.states[0, i] = p.seen[i]

@@ -52,14 +52,19 @@ EASY = 2.0  # m/s^2, T_0: below it the thrust says little about k; a target that
 LONGEST_STEP = 2.5  # control periods, over which an observation counts
 
 
-def observer_numbers(race: Race) -> Floats:
-    """What the observer computes with, shape (G,), at the places above."""
+def observer_numbers(race: Race, elapsed: float | None = None) -> Floats:
+    """What the observer computes with, shape (G,), at the places above.
+
+    Args:
+        race: whose controller.
+        elapsed: [s] over which it observes. None: a control period.
+    """
     controller, model = race.controller, race.control_model
-    h, settings = controller.period, controller.observer
+    h, settings = controller.period if elapsed is None else elapsed, controller.observer
     fastest, acceleration, thrust = (
         math.exp(-bandwidth * h) for bandwidth in (max(settings.thrust, settings.acceleration), settings.acceleration, settings.thrust)
     )
-    least, most = (4 * thrust / model.mass for thrust in model.rotor_thrust)
+    least, most = (model.rotor_count * thrust / model.mass for thrust in model.rotor_thrust)
     up, down = (1 - math.exp(-h / time) if time > 0 else 1.0 for time in model.motor_time)
     return np.array([h, model.gravity, least, most, 1 - fastest**2, (1 - acceleration) ** 2 / h, (1 - thrust) ** 2 / h, up, down])
 
@@ -230,8 +235,8 @@ def begin_with(p: Any, start: Floats, gravity: float) -> None:
     p.estimate[ROOT, 0] = math.sqrt(gravity / start[EFFECTIVENESS])
 
 
-def follow_clock(p: Any, elapsed: float, period: float) -> None:
+def follow_clock(p: Any, race: Race, elapsed: float) -> None:
     """Let the first lane observe over the time [s] that has passed; after a pause it begins with the velocity that it sees."""
-    p.observer[PERIOD, 0] = elapsed
-    if elapsed > LONGEST_STEP * period:
+    p.observer[:, 0] = observer_numbers(race, elapsed)
+    if elapsed > LONGEST_STEP * race.controller.period:
         p.estimate[FRESH, 0] = 1

@@ -13,32 +13,55 @@ from hotlap.flight.numbers import INLINE
 from hotlap.flight.observer import disturbance_of, observe, plan_bounds, push_of, turn_target
 from hotlap.flight.shooting import make_unit
 
+PASSES = 2  # the last plan's attitudes are offsets from targets that its drag turns
 
-def corrector(*, model_has_drag: bool) -> Any:
-    """A compiled function of (settings, memory, loop): observe, and correct targets, inputs and bounds for what was learnt and for drag.
+
+def corrector(*, model_has_drag: bool) -> tuple[Any, Any]:
+    """Two compiled functions of (settings, memory, loop): observe; and, with the state predicted, correct for what was learnt and for drag.
+
+    The second corrects targets, inputs and bounds, with the drag of the last plan as it was moved on, from the state predicted.
 
     Args:
         model_has_drag: whether the model has the vehicle's drags itself.
     """
 
     @njit(**INLINE)
-    def correct(s: Settings, m: Any, p: ControlLoop) -> None:
+    def look(s: Settings, p: ControlLoop) -> None:
         observe(s, p)
         push_of(p, p.seen, p.acted, p.push)
         if model_has_drag:
             disturbance_of(p, p.push)
+
+    @njit(**INLINE)
+    def correct(s: Settings, m: Any, p: ControlLoop) -> None:
         for n in range(len(m.reference)):
             thrust = m.reference[n, 10]
-            target = m.reference[n]
-            push_of(p, target[:10], target[10:], m.push[n])
-            turn_target(target, m.push[n], target)
+            for i in range(4):
+                m.attitude[i] = m.reference[n, 3 + i]
+            for _ in range(PASSES):
+                planned_at(m, p, n)
+                push_of(p, m.after, m.acting, m.push[n])
+                m.reference[n, 10] = thrust
+                for i in range(4):
+                    m.reference[n, 3 + i] = m.attitude[i]
+                turn_target(m.reference[n], m.push[n], m.reference[n])
             if model_has_drag:
                 disturbance_of(p, m.push[n])
             add_thrust(m, n, m.reference[n, 10] - thrust)
         if s.offset_free:
             plan_bounds(s, p, m.low, m.high)
 
-    return correct
+    return look, correct
+
+
+@njit(**INLINE)
+def planned_at(m: Any, p: ControlLoop, n: int) -> None:
+    """State and input of the last plan at a node, to `after` and `acting`, whose first state is the one predicted."""
+    for i in range(10):
+        m.after[i] = m.X[n, i] + m.reference[n, i] if n > 0 else p.seen[i]
+    make_unit(m.after)
+    for a in range(4):
+        m.acting[a] = m.U[min(n, len(m.U) - 1), a] + m.reference[n, 10 + a]
 
 
 @njit(**INLINE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,8 +13,9 @@ from hotlap.dynamics.parameter_layout import AUTOPILOT, DISTURBANCE, MODEL, VEHI
 from hotlap.flight.compile import compiled_dynamics
 from hotlap.flight.lanes import select
 from hotlap.flight.numbers import COMPILE, aligned_zeros
-from hotlap.race.quadrotor import Quadrotor, RotorLayout, torque_matrix
+from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import PLANT_STEP
+from hotlap.race.rotors import RotorLayout, torque_matrix
 from hotlap.race.vehicle_parameters import COLUMNS, check_vehicle_parameters, part_of
 
 Floats = NDArray[np.float64]
@@ -38,21 +40,34 @@ def vehicle_numbers(vehicle_parameters: Floats, layout: RotorLayout) -> Floats:
     parts = {name: part_of(vehicle_parameters, name) for name in COLUMNS}
     unit_arm, unit_ratio = torque_matrix(layout, 1.0, 0.0).ravel(), torque_matrix(layout, 0.0, 1.0).ravel()
     parts["torques"] = parts["arm"] * unit_arm + parts["torque_ratio"] * unit_ratio
-    with np.errstate(divide="ignore"):
-        parts["motor_shares"] = 1 - np.exp(-PLANT_STEP / parts["motor_time"])  # a motor time of 0 follows at once
+    parts["motor_shares"] = motor_shares(parts["motor_time"], PLANT_STEP)
     return np.hstack([parts[name] for name in VEHICLE])
+
+
+def motor_shares(motor_time: Floats, step: float) -> Floats:
+    """Share of the way to its command that a rotor goes in a step [s], of motor times [s]; a motor time of 0 follows at once."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(1 - np.exp(-step / motor_time), dtype=np.float64)
+
+
+def rotor_mixer(control_model: Quadrotor) -> Floats:
+    """Rotor thrusts of least size that make a collective thrust and torques, shape (n, 4)."""
+    made = np.vstack([np.ones(control_model.rotor_count), control_model.torque_matrix])
+    mixer = np.linalg.inv(made) if control_model.rotor_count == 4 else np.linalg.pinv(made)
+    return np.asarray(mixer, dtype=np.float64)
 
 
 def autopilot_numbers(control_model: Quadrotor) -> Floats:
     """The control model's mass, inertia and mixer, shape (A,), in the order of `parameter_layout.AUTOPILOT`: what the rate loop uses."""
-    mixer = np.linalg.inv(np.vstack([np.ones(4), control_model.torque_matrix]))
-    parts = {"mass": [control_model.mass], "inertia": control_model.inertia_vector, "mixer": mixer.ravel()}
+    parts = {"mass": [control_model.mass], "inertia": control_model.inertia_vector, "mixer": rotor_mixer(control_model).ravel()}
     return np.concatenate([parts[name] for name in AUTOPILOT])
 
 
 def model_numbers(control_model: Quadrotor) -> Floats:
     """The control model's parameters, shape (M,), in the order of `parameter_layout.MODEL`: what a controller's model may use."""
-    return np.concatenate([np.atleast_1d(getattr(control_model, name)) for name in MODEL])
+    parts = {name: np.atleast_1d(getattr(control_model, name)) for name in MODEL}
+    parts["rotor_drag"] = parts["rotor_drag"] * (math.sqrt(control_model.rotor_count) / 2)  # the model has four rotors
+    return np.concatenate([parts[name] for name in MODEL])
 
 
 class VehicleState(NamedTuple):

@@ -34,6 +34,7 @@ FORMATS: tuple[Format, ...] = (
     *sdf.FORMATS,
     *urdf.FORMATS,
 )
+SIMULATOR = "airsim:"
 OURS = ({"gates", "start"}, {"rotor_thrust"}, {"track", "vehicle"})  # keys of files that need no import
 
 
@@ -41,12 +42,17 @@ def read(path: str | Path, name: str | None = None) -> Imported:
     """A track or quadrotor from a file of another program.
 
     Args:
-        path: the file.
+        path: the file, or `airsim://host:port` for the level that a simulator runs there.
         name: what it is to be called; of a file with several vehicles the one that is read. None: as in the file, or the file's own name.
 
     Raises:
-        InputError: the file is none that can be read, or says what cannot be; with the file, the key and the reason.
+        InputError: the file is none that can be read, no simulator answers, or they say what cannot be; with file, key and reason.
     """
+    if str(path).startswith(SIMULATOR):
+        from hotlap.importers import airsim  # noqa: PLC0415  it loads a world
+
+        source, found = airsim.read_level(str(path), name)
+        return _imported(source, airsim.NAME, Kind.TRACK, found, "")
     root = read_document(Path(path))
     source = Markup(str(path), root) if isinstance(root, Element) else Content(str(path), root)
     format_ = _format_of(source)
@@ -54,12 +60,18 @@ def read(path: str | Path, name: str | None = None) -> Imported:
         found = format_.read(source, name)
     except RecursionError:
         raise InputError(str(path), "", "is nested too deeply") from None
+    return _imported(str(path), format_.name, format_.kind, found, Path(path).stem)
+
+
+def _imported(source: str, format_: str, kind: Kind, found: Findings, stem: str) -> Imported:
+    """What was found, checked."""
     _end_at_the_last_gate(found)
-    named = {"name": found.table.get("name") or printable(Path(path).stem), "provenance": f"{printable(Path(path).name)}, {format_.name}"}
+    origin = printable(Path(source).name) if stem else source
+    named = {"name": found.table.get("name") or printable(stem), "provenance": f"{origin}, {format_}"}
     whole = rounded({**found.table, **named})
-    table = {key: whole[key] for key in TYPES[format_.kind].model_fields if key in whole}
-    lost = [*found.lost, *_defaults(table)] if format_.kind is Kind.QUADROTOR else found.lost
-    imported = Imported(str(path), format_.name, format_.kind, table, tuple(found.taken), tuple(lost))
+    table = {key: whole[key] for key in TYPES[kind].model_fields if key in whole}
+    lost = [*found.lost, *_defaults(table)] if kind is Kind.QUADROTOR else found.lost
+    imported = Imported(source, format_, kind, table, tuple(found.taken), tuple(lost))
     imported.description  # noqa: B018  it is checked
     return imported
 

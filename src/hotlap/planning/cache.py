@@ -39,8 +39,9 @@ SOURCES = (
     "hotlap.reference.run_out",
 )
 MAKE_NO_PLANS = ("hotlap.planning.preparation",)
-OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}  # what a plan uses
-OF_FULL = {"motor_time", "drag", "rotor_drag", "body_drag", "rate_gain", "torque_damping"}  # what one with all dynamics uses besides
+# What a plan uses of a quadrotor, and what one with full dynamics uses besides.
+OF_QUADROTOR = {"mass", "inertia", "arm", "layout", "rotors", "rotor_thrust", "torque_ratio", "rate_limit", "gravity"}
+OF_FULL = {"motor_time", "drag", "rotor_drag", "body_drag", "rate_gain", "torque_damping", "rate_loop"}
 
 
 def key(problem: Problem) -> str:

@@ -48,7 +48,7 @@ def _largest_drag(problem: Problem, speeds: Floats) -> Floats:
     quadrotor = problem.quadrotor
     if not problem.full:
         return problem.drag * speeds
-    rotors = quadrotor.rotor_drag * 4 * np.sqrt(quadrotor.rotor_thrust[1])
+    rotors = quadrotor.rotor_drag * quadrotor.rotor_count * np.sqrt(quadrotor.rotor_thrust[1])
     return (max(quadrotor.drag) + (rotors + max(quadrotor.body_drag) * speeds) / quadrotor.mass) * speeds
 
 

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.planning.full_stage import COMMANDED
+from hotlap.planning.full_stage import BODY, COMMANDED
 from hotlap.planning.minimum_time import RATES
 from hotlap.planning.problem import Floats, Problem, Trajectory
 from hotlap.planning.stage import ATTITUDE
@@ -66,7 +66,7 @@ def _turned(states: Floats, angle: float) -> Floats:
     """The same flight of a body that is turned about its z by an angle [rad]."""
     turned, cos, sin = states.copy(), np.cos(angle), np.sin(angle)
     turned[:, ATTITUDE] = product(states[:, ATTITUDE], np.array([np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2)]))
-    for rates in (RATES, COMMANDED)[: 1 + (states.shape[1] > COMMANDED.start)]:
+    for rates in (RATES, COMMANDED)[: 1 + (states.shape[1] > BODY.stop)]:
         x, y = states[:, rates.start], states[:, rates.start + 1]
         turned[:, rates.start], turned[:, rates.start + 1] = cos * x + sin * y, cos * y - sin * x
     return turned

@@ -22,7 +22,7 @@ SETTLED = 2e-4  # relative change of the duration from one ramp pass to the next
 
 def stage_of(problem: Problem) -> Stage:
     """The stage that a problem is planned with."""
-    return full_stage_of(problem) if problem.full else quadrotor_stage()
+    return full_stage_of(problem) if problem.full else quadrotor_stage(problem.quadrotor.rotor_count)
 
 
 def model_parameters(problem: Problem) -> Floats:
@@ -76,7 +76,7 @@ def ramped_limits(problem: Problem, plan: Trajectory) -> tuple[Floats, Floats]:
     if ramp is None:
         return np.full(len(times) - 1, thrust), np.tile(rates, (len(times), 1))
     share = np.minimum(times / times[-1] * problem.legs.sum() / ramp.distance, 1.0)
-    first_thrust = min(ramp.thrust_to_weight * quadrotor.mass * quadrotor.gravity / 4, thrust)
+    first_thrust = min(ramp.thrust_to_weight * quadrotor.mass * quadrotor.gravity / quadrotor.rotor_count, thrust)
     first_rates = np.minimum(ramp.rate, rates)
     return first_thrust + (thrust - first_thrust) * share[:-1], first_rates + (rates - first_rates) * share[:, None]
 
@@ -99,7 +99,7 @@ def _limited(problem: Problem, guess: Trajectory) -> tuple[Trajectory, Limits]:
         limit_start_and_commands(problem, low, high)
     if problem.full and problem.end_at_rest:
         low[-1, ROTORS] = high[-1, ROTORS] = hover_thrust(problem)
-    least, largest = np.full(guess.controls.shape, quadrotor.rotor_thrust[0]), np.repeat(thrust[:, None], 4, axis=1)
+    least, largest = np.full(guess.controls.shape, quadrotor.rotor_thrust[0]), np.repeat(thrust[:, None], quadrotor.rotor_count, axis=1)
     margin = 0.01 * (largest - least)
     states = guess.states.copy()
     fixed = low[0] == high[0]

@@ -38,7 +38,7 @@ def plan_point_mass(problem: Problem, guess: Trajectory | None = None, rows: Lin
 
 
 def _plan(problem: Problem, guess: Trajectory, rows: LinearRows | None, iterations: int) -> Solution:
-    stage = point_mass_in_air_stage() if problem.full else point_mass_stage()
+    stage = point_mass_in_air_stage(problem.quadrotor.rotor_count) if problem.full else point_mass_stage()
     shooting = Shooting.of(stage, problem, rows, thrust_ball=True)
     model = airframe_parameters(problem.quadrotor) if problem.full else np.array([problem.quadrotor.gravity, problem.drag])
     return solve(shooting, problem.waypoints, model, guess, _limits(problem, guess), barrier=BARRIER, iterations=iterations)

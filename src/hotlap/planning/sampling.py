@@ -78,4 +78,5 @@ def last_acceleration(problem: Problem, reference: Reference) -> Floats | None:
     last = reference.planned_rows - 1
     rows = (reference.position, reference.velocity, reference.attitude, reference.rates)
     state = np.concatenate([values[last] for values in rows])
-    return np.asarray(airframe()(state, reference.rotor_thrusts[last], airframe_parameters(problem.quadrotor))).ravel()[3:6]
+    model = airframe(problem.quadrotor.rotor_count)
+    return np.asarray(model(state, reference.rotor_thrusts[last], airframe_parameters(problem.quadrotor))).ravel()[3:6]

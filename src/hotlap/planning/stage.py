@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 
 from hotlap.dynamics.models import planning_model, point_mass, point_mass_in_air
-from hotlap.dynamics.parameter_layout import AIRFRAME, PLANNING_PARAMETERS
+from hotlap.dynamics.parameter_layout import airframe_layout, planning_parameters
 
 ATTITUDE = slice(6, 10)  # of the full state
 SUBSTEPS = 2  # of the quadrotor, in an interval
@@ -45,15 +45,15 @@ def point_mass_stage() -> Stage:
 
 
 @cache
-def point_mass_in_air_stage() -> Stage:
-    """A point mass: parameters are those of `AIRFRAME`."""
-    return _derive(point_mass_in_air(), sum(AIRFRAME.values()), substeps=1, finish=lambda state: state)
+def point_mass_in_air_stage(rotors: int = 4) -> Stage:
+    """A point mass: parameters are those of `airframe_layout`."""
+    return _derive(point_mass_in_air(rotors), sum(airframe_layout(rotors).values()), substeps=1, finish=lambda state: state)
 
 
 @cache
-def quadrotor_stage() -> Stage:
+def quadrotor_stage(rotors: int = 4) -> Stage:
     """The full quadrotor: parameters are those of `planning_model`."""
-    return _derive(planning_model(), PLANNING_PARAMETERS, substeps=SUBSTEPS, finish=normalised)
+    return _derive(planning_model(rotors), planning_parameters(rotors), substeps=SUBSTEPS, finish=normalised)
 
 
 def normalised(state: Any) -> Any:

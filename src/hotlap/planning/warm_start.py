@@ -41,7 +41,7 @@ def hover_along(problem: Problem, *, inverted: bool = False) -> Trajectory:
     attitudes, rates = np.tile(problem.attitude, (count, 1)), np.zeros((count, 3))
     if inverted:
         attitudes[1:] = product(problem.attitude, np.array([0.0, 1.0, 0.0, 0.0]))  # half a turn about body x
-    thrusts = np.full((count - 1, 4), quadrotor.mass * quadrotor.gravity / 4)
+    thrusts = np.full((count - 1, quadrotor.rotor_count), quadrotor.mass * quadrotor.gravity / quadrotor.rotor_count)
     return Trajectory(durations, np.hstack([positions, velocities, attitudes, rates]), thrusts, problem.counts)
 
 
@@ -52,16 +52,16 @@ def around_point_mass(problem: Problem, plan: Trajectory) -> Trajectory:
         problem: what is planned.
         plan: of the point mass, any number of intervals.
     """
-    frame = Trajectory(plan.durations, np.empty(0), np.empty((problem.intervals_in_all, 4)), problem.counts)
+    frame = Trajectory(plan.durations, np.empty(0), np.empty((problem.intervals_in_all, problem.quadrotor.rotor_count)), problem.counts)
     times, middles = frame.times, 0.5 * (plan.times[1:] + plan.times[:-1])
     motion = np.stack([np.interp(times, plan.times, column) for column in plan.states.T], axis=1)
     accelerations = np.stack([np.interp(times, middles, column) for column in plan.controls.T], axis=1)
     thrusts = np.linalg.norm(accelerations, axis=1)
     axes = accelerations / np.maximum(thrusts, 1e-6)[:, None]
     attitudes = np.vstack([problem.attitude, follow_axes(axes[1:], problem.attitude)])
-    quadrotor = problem.quadrotor
+    quadrotor, rotors = problem.quadrotor, problem.quadrotor.rotor_count
     largest = 0.9 * np.array(quadrotor.rate_limit)
     rates = np.vstack([turn_rates(attitudes, np.maximum(frame.steps, 1e-3)), np.zeros(3)])
     rates = np.clip(rates, -largest, largest)
-    rotor_thrusts = np.repeat(thrusts[:-1, None] * quadrotor.mass / 4, 4, axis=1)
+    rotor_thrusts = np.repeat(thrusts[:-1, None] * quadrotor.mass / rotors, rotors, axis=1)
     return Trajectory(plan.durations, np.hstack([motion, attitudes, rates]), rotor_thrusts, problem.counts)

@@ -30,14 +30,14 @@ def roll_acceleration(quadrotor: Quadrotor) -> float:
 
 
 def rate_damping(quadrotor: Quadrotor) -> float:
-    """Damping ratio of the roll rate loop behind the motors [-]: k / (s (tau s + 1)) closed has zeta = 1 / (2 sqrt(k tau))."""
-    lag = quadrotor.rate_gain[0] * max(quadrotor.motor_time)
+    """Damping ratio of the roll rate loop behind motors and dead time [-]: k / (s (tau s + 1)) closed has zeta = 1 / (2 sqrt(k tau))."""
+    lag = float(quadrotor.hover_rate_gain[0]) * (max(quadrotor.motor_time) + quadrotor.rate_delay)
     return 1 / (2 * math.sqrt(lag)) if lag > 0 else math.inf
 
 
 def command_lag(quadrotor: Quadrotor) -> float:
     """How long a body rate takes to follow its command [s]: of the slower of roll and pitch, 1 / rate_gain and the motors' time."""
-    return 1 / min(quadrotor.rate_gain[:2]) + max(quadrotor.motor_time)
+    return 1 / float(min(quadrotor.hover_rate_gain[:2])) + max(quadrotor.motor_time)
 
 
 def steady_thrust(quadrotor: Quadrotor, speed: float, climb: float = 0.0) -> float:
@@ -142,7 +142,9 @@ def _planned_steady_speed(race: Race, slope: float) -> float | None:
 def _pitch_excess(quadrotor: Quadrotor, pitch: float, speed: float, climb: float) -> float:
     """Gravity along the nose minus drag along it [m/s^2]: grows with pitch, zero in steady flight."""
     forward = speed * math.cos(pitch) - climb * math.sin(pitch)
-    root_thrust = 2 * math.sqrt(quadrotor.mass * max(_carried(quadrotor, pitch, speed, climb), 0.0))  # sum of sqrt over four rotors
+    root_thrust = math.sqrt(quadrotor.rotor_count) * math.sqrt(
+        quadrotor.mass * max(_carried(quadrotor, pitch, speed, climb), 0.0)
+    )  # of the rotor thrusts
     linear = quadrotor.drag[0] + quadrotor.rotor_drag * root_thrust / quadrotor.mass
     quadratic = quadrotor.body_drag[0] / quadrotor.mass * abs(forward)
     return quadrotor.gravity * math.sin(pitch) - (linear + quadratic) * forward

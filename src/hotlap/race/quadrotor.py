@@ -4,34 +4,29 @@ Conventions
     World frame: x forward, y left, z up; gravity along -z. Body frame: x forward, y left, z up.
     Attitude: unit quaternion (w, x, y, z), body to world: v_world = q o v_body o conj(q).
     Units: SI, radians. Body rates in the body frame.
-    Rotors: four, thrust along body +z. RotorLayout x: 0 front left, 1 front right, 2 back right, 3 back left;
-    layout plus: 0 front, 1 left, 2 back, 3 right.
+    Rotors: thrust along body +z. Four in RotorLayout x: 0 front left, 1 front right, 2 back right, 3 back left;
+    layout plus: 0 front, 1 left, 2 back, 3 right. Any others in the order in which they are listed.
     Command of a controller: collective thrust per mass [m/s^2] and three body rates [rad/s].
 """
 
 from __future__ import annotations
 
 import math
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from hotlap.race.battery import Battery
+from hotlap.race.rate_loop import MOST_DELAY as MOST_RATE_DELAY
+from hotlap.race.rate_loop import Mixer, MotorLag, Output, RateLoop
+from hotlap.race.rotors import Rotor, RotorLayout, farthest, fault_of, rotor_positions, rotor_spins, torques_of
 from hotlap.race.schema import Described, NotNegative, Positive
 
 GRAVITY = 9.81  # m/s^2
-MEASURED = 0.02  # share by which measured moments of inertia may break the triangle rule
+MEASURED = 0.02  # share by which measured moments of inertia may break the triangle rule, and lengths differ
 MOST_DELAY = 0.25  # s
 PROPELLERS = 1.5  # radius of a quadrotor over its arm: propellers reach about half an arm further
-
-
-class RotorLayout(StrEnum):
-    """Where the rotors sit: on the diagonals, or on the axes."""
-
-    X = "x"
-    PLUS = "plus"
 
 
 class Quadrotor(Described):
@@ -44,15 +39,26 @@ class Quadrotor(Described):
     inertia: tuple[Positive, Positive, Positive]
     """[kg m^2] (body) principal moments."""
     arm: Positive
-    """[m] distance of a rotor from the centre of mass."""
+    """[m] distance of a rotor from the centre of mass; of the farthest where `rotors` lists them."""
     layout: RotorLayout = RotorLayout.X
-    """where the rotors sit."""
+    """where four rotors sit."""
+    rotors: tuple[Rotor, ...] | None = None
+    """where other rotors sit, four to eight: a list of [x, y, spin], x forward and y left [m], spin 1 or -1 the sign of the yaw torque
+    (1: the rotor turns clockwise, seen from above). None: four, as `layout` says."""
     rotor_thrust: tuple[NotNegative, Positive]
     """[N] least and largest thrust of one rotor."""
     torque_ratio: Positive
     """[m] yaw torque over thrust of a rotor."""
     motor_time: tuple[NotNegative, NotNegative] = (0.02, 0.04)
     """[s] time constant of rotor speed, up and down."""
+    motor_lag: MotorLag = MotorLag.SPEED
+    """what follows with `motor_time`."""
+    rotor_inertia: NotNegative = 0.0
+    """[kg m^2] moment of inertia of a rotor with what turns in its motor: what speeds it up turns the vehicle. It needs `rotor_speed`."""
+    rotor_speed: Positive | None = None
+    """[rad/s] of a rotor at its largest thrust. None: not known."""
+    inflow: NotNegative = 0.0
+    """[N^0.5 s/m] loss of thrust by motion along the rotors' axis: thrust = s^2 - inflow s v_z, with s the root of the thrust at rest."""
     drag: tuple[NotNegative, NotNegative, NotNegative] = (0.0, 0.0, 0.0)
     """[1/s] (body) linear drag per mass."""
     rotor_drag: NotNegative = 0.0
@@ -63,6 +69,12 @@ class Quadrotor(Described):
     """[1/s] (body) proportional gain of the rate loop."""
     torque_damping: NotNegative = 0.0
     """[-] share of the present torque that the rate loop subtracts (RotorS's second gain)."""
+    rate_delay: float = Field(default=0.0, ge=0.0, le=MOST_RATE_DELAY)
+    """[s] age of the body rates that the rate loop acts on: dead time within the loop, besides `delay`."""
+    rate_loop: RateLoop | None = None
+    """a PID rate loop with gains of its own. None: a proportional one, with `rate_gain`."""
+    mixer: Mixer = Mixer.CLIP
+    """what becomes of rotor thrusts beyond their limits."""
     rate_limit: tuple[Positive, Positive, NotNegative] = (10.0, 10.0, 3.0)
     """[rad/s] (body) rates that a plan may ask for."""
     delay: float = Field(default=0.0, ge=0.0, le=MOST_DELAY)
@@ -75,6 +87,14 @@ class Quadrotor(Described):
     """what thrust loses while the battery is drawn down. None: nothing."""
     provenance: str = ""
     """where the numbers come from."""
+
+    @field_validator("rotors")
+    @classmethod
+    def _can_be_flown(cls, rotors: tuple[Rotor, ...] | None) -> tuple[Rotor, ...] | None:
+        fault = "" if rotors is None else fault_of(rotors)
+        if fault:
+            raise ValueError(fault)
+        return rotors
 
     @field_validator("mass")
     @classmethod
@@ -99,6 +119,9 @@ class Quadrotor(Described):
 
     @model_validator(mode="after")
     def _possible(self) -> Quadrotor:
+        away = self.arm if self.rotors is None else farthest(self.rotors)
+        if abs(away - self.arm) > MEASURED * away:
+            raise ValueError(f"arm: the farthest of the rotors is {away:.4g} m from the centre of mass, not {self.arm:g}")
         largest = max(self.inertia)
         if self.excess_inertia > MEASURED:
             raise ValueError(f"inertia: no body has {list(self.inertia)}: the largest moment exceeds the sum of the other two")
@@ -110,19 +133,36 @@ class Quadrotor(Described):
             raise ValueError(
                 f"rotor_thrust: cannot hover, thrust-to-weight is {self.thrust_to_weight:.2f} (rotor_thrust is in newtons a rotor)"
             )
+        if self.rotor_inertia > 0 and self.rotor_speed is None:
+            raise ValueError("rotor_speed: is missing; rotor_inertia needs it: [rad/s] of a rotor at its largest thrust")
         if self.thrust_to_weight > 50:
             raise ValueError(f"rotor_thrust: thrust-to-weight of {self.thrust_to_weight:.0f} (rotor_thrust: N a rotor, mass: kg)")
         return self
 
     @property
+    def rotor_count(self) -> int:
+        """How many rotors it has."""
+        return 4 if self.rotors is None else len(self.rotors)
+
+    @property
+    def rotor_positions(self) -> NDArray[np.float64]:
+        """Where the rotors sit, shape (n, 2) [m] (body): x forward, y left."""
+        return rotor_positions(self.layout, self.arm) if self.rotors is None else np.array(self.rotors)[:, :2]
+
+    @property
+    def rotor_spins(self) -> NDArray[np.float64]:
+        """Sign of the yaw torque of each rotor, shape (n,)."""
+        return rotor_spins(self.layout) if self.rotors is None else np.array(self.rotors)[:, 2]
+
+    @property
     def thrust_to_weight(self) -> float:
         """Largest collective thrust over weight [-]."""
-        return 4 * self.rotor_thrust[1] / (self.mass * self.gravity)
+        return self.rotor_count * self.rotor_thrust[1] / (self.mass * self.gravity)
 
     @property
     def max_acceleration(self) -> float:
         """Largest collective thrust per mass [m/s^2]."""
-        return 4 * self.rotor_thrust[1] / self.mass
+        return self.rotor_count * self.rotor_thrust[1] / self.mass
 
     @property
     def outer_radius(self) -> float:
@@ -142,12 +182,29 @@ class Quadrotor(Described):
     @property
     def lag(self) -> float:
         """[s] by which roll and pitch rates follow their commands: of rate loop and motors, 1 / rate_gain + motor_time in the mean."""
-        return 2 / (self.rate_gain[0] + self.rate_gain[1]) + sum(self.motor_time) / 2
+        gain = self.hover_rate_gain
+        return float(2 / (gain[0] + gain[1]) + sum(self.motor_time) / 2)
 
     @property
     def torque_matrix(self) -> NDArray[np.float64]:
-        """Torque (body) of each rotor per newton of thrust, shape (3, 4) [m]."""
-        return torque_matrix(self.layout, self.arm, self.torque_ratio)
+        """Torque (body) of each rotor per newton of thrust, shape (3, n) [m]."""
+        return torques_of(self.rotor_positions, self.rotor_spins, self.torque_ratio)
+
+    @property
+    def signal_mix(self) -> NDArray[np.float64]:
+        """What a rotor's signal gets of those of roll, pitch and yaw, shape (n, 3): levers over the longest of all, and spins."""
+        levers = torques_of(self.rotor_positions, self.rotor_spins, 1.0).T
+        return levers / np.array([*[np.abs(levers[:, :2]).max()] * 2, 1.0])
+
+    @property
+    def hover_rate_gain(self) -> NDArray[np.float64]:
+        """Proportional gain of the rate loop in hover, shape (3,) [1/s]: `rate_gain`, or what the signals of `rate_loop` come to."""
+        if self.rate_loop is None:
+            return np.array(self.rate_gain)
+        largest, idle, slope = self.rotor_thrust[1], self.rate_loop.idle, self.rotor_thrust[1]
+        if self.rate_loop.output is Output.SPEED:
+            slope = 2 * largest * (1 - idle) / math.sqrt(self.thrust_to_weight)
+        return slope * np.array(self.rate_loop.p) * (self.torque_matrix * self.signal_mix.T).sum(axis=1) / self.inertia_vector
 
     @property
     def excess_inertia(self) -> float:
@@ -159,32 +216,3 @@ class Quadrotor(Described):
     def inertia_vector(self) -> NDArray[np.float64]:
         """Principal moments, shape (3,) [kg m^2]."""
         return np.array(self.inertia)
-
-
-def rotor_positions(layout: RotorLayout, arm: float) -> NDArray[np.float64]:
-    """Where the four rotors sit, seen from the centre of mass, shape (4, 2) [m] (body): x forward, y left.
-
-    Args:
-        layout: on the diagonals or on the axes.
-        arm: [m] distance from the centre of mass.
-    """
-    if layout is RotorLayout.X:
-        lever = arm * math.sqrt(0.5)
-        return lever * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
-    return arm * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-
-
-def torque_matrix(layout: RotorLayout, arm: float, torque_ratio: float) -> NDArray[np.float64]:
-    """Torque (body) of each rotor per newton of thrust: a rotor at (x, y) makes a roll torque of y and a pitch torque of -x.
-
-    Args:
-        layout: where the rotors sit.
-        arm: [m] distance from the centre of mass.
-        torque_ratio: [m] yaw torque over thrust; neighbouring rotors turn against each other.
-
-    Returns:
-        Shape (3, 4) [m].
-    """
-    x, y = rotor_positions(layout, arm).T
-    first = 1.0 if layout is RotorLayout.X else -1.0
-    return np.array([y, 0.0 - x, torque_ratio * first * np.array([1.0, -1.0, 1.0, -1.0])])  # 0 - x: no negative zeros

@@ -137,7 +137,7 @@ class ControllerSettings(Described):
     observer: ObserverSettings = ObserverSettings()
     """how fast these are estimated."""
     reference_drag: bool = True
-    """make up for the model's drag at the reference's velocities and attitudes."""
+    """make up for the model's drag at the velocities and attitudes of the plan."""
     reference_time: ReferenceTime = ReferenceTime.EXECUTION
     """what a predicting controller compares with: the reference when the command acts, or now."""
     segment_switch: SegmentSwitch = SegmentSwitch.TIME
@@ -341,6 +341,13 @@ class Race(Described):
         settings = self.controller if kind is self.controller.kind else ControllerSettings(kind=kind, **kept)
         return self.model_copy(update={"controller": settings})
 
+    @model_validator(mode="after")
+    def _as_many_rotors(self) -> Race:
+        known, there = self.control_model.rotor_count, self.vehicle.rotor_count
+        if known != there:
+            raise ValueError(f"model: has {known} rotors, and the vehicle {there}: its rate loop must know all of them")
+        return self
+
     @property
     def control_model(self) -> Quadrotor:
         """The vehicle as the controller knows it."""
@@ -368,7 +375,7 @@ class Race(Described):
         if self.planning.quadrotor is not None:
             return self.planning.quadrotor
         low, high = self.control_model.rotor_thrust
-        high = min(self.thrust_share * high, 0.95 * self.controller.thrust[1] * self.control_model.mass / 4)
+        high = min(self.thrust_share * high, 0.95 * self.controller.thrust[1] * self.control_model.mass / self.control_model.rotor_count)
         return self.control_model.model_copy(update={"rotor_thrust": (min(low, 0.5 * high), high)})
 
     @property

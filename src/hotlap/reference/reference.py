@@ -27,7 +27,7 @@ class Reference:
         velocity: shape (rows, 3) [m/s] (world).
         rates: shape (rows, 3) [rad/s] (body).
         thrust: shape (rows,) [m/s^2] collective thrust per mass.
-        rotor_thrusts: shape (rows, 4) [N] of the planning model; NaN in the run-out.
+        rotor_thrusts: shape (rows, n) [N] of the planning model; NaN in the run-out.
         gate_times: shape (gates,) [s] when the reference passes each gate.
         duration: [s] to the end of the plan (the authors' T).
         cpu_time: [s] of the planner; 0 for a reference that was read.

@@ -47,7 +47,7 @@ def extend(reference: Reference, gravity: float, drag: float, acceleration: Floa
         velocity=np.vstack([reference.velocity[:rows], velocity]),
         rates=np.vstack([reference.rates[:rows], rates]),
         thrust=np.append(reference.thrust[:rows], np.linalg.norm(thrusts, axis=1)),
-        rotor_thrusts=np.vstack([reference.rotor_thrusts[:rows], np.full((count, 4), np.nan)]),
+        rotor_thrusts=np.vstack([reference.rotor_thrusts[:rows], np.full((count, reference.rotor_thrusts.shape[1]), np.nan)]),
     )
 
 

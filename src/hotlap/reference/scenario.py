@@ -48,15 +48,25 @@ class Scenario:
     @property
     def corrects_target(self) -> bool:
         """Whether the controller corrects its targets, for what it estimates or for drags that its model has."""
+        return self.offset_free or self.knows_drag
+
+    @property
+    def knows_drag(self) -> bool:
+        """Whether the drag that its model has counts along the horizon, or in the feed-forward: `controller.reference_drag`."""
         model = self.race.control_model
-        has_drag = any((*model.drag, *model.body_drag, model.rotor_drag))
-        return self.offset_free or (self.race.controller.reference_drag and has_drag)
+        return self.race.controller.reference_drag and any((*model.drag, *model.body_drag, model.rotor_drag))
 
     @property
     def thrust_limits(self) -> tuple[float, float]:
         """[m/s^2] Least and largest thrust that is commanded: as planned, or offset-free as far as the rotors have it."""
         low, high = self.race.controller.thrust
         return (low, COMMANDED * self.race.control_model.max_acceleration) if self.offset_free else (low, high)
+
+    @property
+    def planned_thrust(self) -> tuple[float, float]:
+        """[m/s^2] Least and largest thrust that an MPC plans over its horizon, while thrust has its full effectiveness."""
+        low, high = self.thrust_limits
+        return low, min(high, self.race.controller.thrust[1])
 
     @property
     def thrust_margin(self) -> float:

@@ -65,6 +65,8 @@ def complete(table: Table, race: Race, gate_times: Floats) -> tuple[Table, Refer
         mass, drag = fitted
         thrusts = np.maximum(values[:, THRUSTS], 0.0) * (race.planning_model.mass / mass)
         thrust = thrusts.sum(axis=1) / race.planning_model.mass
+        if race.planning_model.rotor_count != thrusts.shape[1]:
+            thrusts = flatness.rotor_thrusts(race.planning_model, thrust, values[:, RATES], PERIOD)
     else:
         table, values, thrust, drag = _derive(table, race, values, fitted)
         thrusts = flatness.rotor_thrusts(race.planning_model, thrust, values[:, RATES], PERIOD)

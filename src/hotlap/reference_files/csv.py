@@ -27,6 +27,7 @@ from hotlap.system.text_files import replace
 
 Floats = NDArray[np.float64]
 
+ROTORS = 4  # that the format has columns for
 COLUMNS = tuple(name for group in WHOLE for name in GROUPS[group])
 
 
@@ -79,19 +80,21 @@ def read_reference(path: str | Path, race: Race) -> ReadReference:
 def save_reference(path: str | Path, reference: Reference) -> None:
     """Write the planned rows of a reference, and a last row at its duration; reading them gives the same rows bit for bit.
 
-    Gate times are not in the file: reading finds them anew, as closest approaches.
+    Gate times are not in the file: reading finds them anew, as closest approaches. Thrusts of other than four rotors have no columns in the
+    format: reading finds them from the motion.
 
     Raises:
         InputError: when the file cannot be written.
     """
     rows = reference.planned_rows
-    columns = (reference.position, reference.attitude, reference.velocity, reference.rates, reference.rotor_thrusts)
+    of_four = reference.rotor_thrusts.shape[1] == ROTORS
+    columns = (reference.position, reference.attitude, reference.velocity, reference.rates, reference.rotor_thrusts)[: 4 + of_four]
     table = np.hstack([reference.times[:rows, None], *(column[:rows] for column in columns)])
     rest = reference.duration - table[-1, TIME]
     if rest > 1e-9:
         table = np.vstack([table, _continue(table, rest)])
     text = "".join(",".join(map(repr, row)) + "\n" for row in table.tolist())
-    replace(path, ",".join(COLUMNS) + "\n" + text)
+    replace(path, ",".join(COLUMNS if of_four else COLUMNS[:-ROTORS]) + "\n" + text)
 
 
 def _continue(table: Floats, rest: float) -> Floats:

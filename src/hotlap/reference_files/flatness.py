@@ -88,7 +88,7 @@ def along_axis(vectors: Floats, attitudes: Floats) -> Floats:
 
 
 def rotor_thrusts(quadrotor: Quadrotor, thrust: Floats, rates: Floats, period: float) -> Floats:
-    """Rotor thrusts that give a thrust and the torques of rates, shape (rows, 4) [N].
+    """Rotor thrusts that give a thrust and the torques of rates, shape (rows, n) [N].
 
     torque = J dw/dt + w x J w. Where that would need a rotor to pull, less torque is given; the sum is always that of the thrust.
 
@@ -100,9 +100,10 @@ def rotor_thrusts(quadrotor: Quadrotor, thrust: Floats, rates: Floats, period: f
     """
     inertia = quadrotor.inertia_vector
     torques = inertia * slopes(rates, period)[0] + np.cross(rates, inertia * rates)
-    mixing = np.vstack([np.ones(4), quadrotor.torque_matrix])
-    steering = np.linalg.solve(mixing, np.hstack([np.zeros((len(thrust), 1)), torques]).T).T
-    hover = quadrotor.mass * thrust[:, None] / 4
+    rotors = quadrotor.rotor_count
+    mixing, wanted = np.vstack([np.ones(rotors), quadrotor.torque_matrix]), np.hstack([np.zeros((len(thrust), 1)), torques])
+    steering = np.linalg.solve(mixing, wanted.T).T if rotors == 4 else wanted @ np.linalg.pinv(mixing).T
+    hover = quadrotor.mass * thrust[:, None] / rotors
     deepest = np.maximum(-steering.min(axis=1, keepdims=True), 1e-12)
     return hover + np.minimum(hover / deepest, 1.0) * steering
 

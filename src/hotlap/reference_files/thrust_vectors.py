@@ -76,18 +76,18 @@ def drag(quadrotor: Quadrotor, attitude: Floats, velocity: Floats, thrust: Float
     """
     rows = len(attitude)
     states = np.hstack([np.zeros((rows, 3)), velocity, attitude, np.zeros((rows, 3))])
-    thrusts = np.tile(quadrotor.mass * thrust / 4, (4, 1))
+    thrusts = np.tile(quadrotor.mass * thrust / quadrotor.rotor_count, (quadrotor.rotor_count, 1))
     parameters = np.tile(airframe_parameters(quadrotor)[:, None], rows)
-    acceleration = np.asarray(_airframe(rows)(states.T, thrusts, parameters))[3:6].T
+    acceleration = np.asarray(_airframe(rows, quadrotor.rotor_count)(states.T, thrusts, parameters))[3:6].T
     return thrust_axis(attitude) * thrust[:, None] - np.array([0.0, 0.0, quadrotor.gravity]) - acceleration
 
 
 @cache
-def _airframe(rows: int) -> Any:
+def _airframe(rows: int, rotors: int) -> Any:
     """The equations of motion for so many rows at once."""
     from hotlap.dynamics.models import airframe  # noqa: PLC0415  CasADi, only where it is needed
 
-    return airframe().map(rows)
+    return airframe(rotors).map(rows)
 
 
 def axes_of(vectors: Floats) -> Floats:

@@ -172,6 +172,7 @@ th, td { padding: 0.3rem 0.9rem 0.3rem 0; text-align: left; border-bottom: 1px s
 thead th { color: var(--quiet); font-weight: 500; }
 tbody th { font-weight: 500; }
 th.number, td.number { text-align: right; }
+th.long { white-space: normal; min-width: 10rem; vertical-align: bottom; }
 @media print {
   :root { --ink: #000000; --quiet: #444444; --line: #bbbbbb; --paper: #ffffff; }
   main { max-width: none; padding: 0; }

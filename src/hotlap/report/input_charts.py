@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 LEFT, RIGHT, TOP, BOTTOM, BETWEEN = 0.72, 0.95, 0.95, 0.5, 0.12  # inches
 WIDTH, HEIGHT = 8.0, 1.05  # inches of a chart
 HEADROOM = 0.3  # of the range of the first chart, for the names of segments
-ROTORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito
+ROTORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c8200")  # Okabe and Ito; the last a darker yellow
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def _draw(axes: Axes, row: Row, flight: Trace, scene: Scene) -> None:
         axes.plot(flight.times, values, color=ROTORS[j] if several else BEST, linewidth=0.7 if several else 1.1, zorder=3)
     if several and len(flight.times):
         for j in range(row.flown.shape[1]):
-            place = 0.95 - 0.25 * j
+            place = 0.95 - j / row.flown.shape[1]
             axes.text(1.01, place, f"rotor {j}", transform=axes.transAxes, fontsize=SMALL, color=ROTORS[j], va="top")
     axes.text(1.01, 0.5, "" if several else f"{_at_limit(row):.0f} % of the time\nat a limit", transform=axes.transAxes, fontsize=SMALL)
     axes.set_ylabel(row.label, fontsize=SMALL, color=INK if several else QUIET)

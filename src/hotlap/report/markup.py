@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Mapping, Sequence
 from html import escape
 
+LONG = 28  # characters of a name, beyond which it has a line of its own in a table, or more than one as the head of a column
+
 
 def text(value: object) -> str:
     """A value as HTML text."""
@@ -23,7 +25,7 @@ def paragraph(words: object) -> str:
 
 
 def table(heads: Sequence[object], rows: Iterable[Sequence[object]], caption: str = "", *, numbers: Container[int] = ()) -> str:
-    """A table; where it is wider than the page, it scrolls on its own.
+    """A table; where it is wider than the page, it scrolls on its own. A long name of a row stands on a line above its cells.
 
     Args:
         heads: of the columns.
@@ -32,16 +34,27 @@ def table(heads: Sequence[object], rows: Iterable[Sequence[object]], caption: st
         numbers: indices of the columns with numbers, which are aligned to the right.
     """
     title = element("caption", text(caption)) if caption else ""
-    kinds = [{"class_": "number"} if j in numbers else {} for j in range(len(heads))]
-    names = "".join(element("th", text(cell), scope="col", **kind) for cell, kind in zip(heads, kinds, strict=True))
+    kinds = [["number"] if j in numbers else [] for j in range(len(heads))]
+    names = "".join(element("th", text(cell), scope="col", **_class(kind, cell)) for cell, kind in zip(heads, kinds, strict=True))
     head = element("thead", element("tr", names))
-    body = "".join(element("tr", "".join(_cell(cell, j, kinds[j]) for j, cell in enumerate(row))) for row in rows)
+    body = "".join(_row(row, kinds) for row in rows)
     return element("div", element("table", title + head + element("tbody", body)), class_="wide")
 
 
-def _cell(cell: object, column: int, kind: dict[str, str]) -> str:
-    """One cell; the first of a row is its head."""
-    return element("td", text(cell), **kind) if column else element("th", text(cell), scope="row")
+def _row(row: Sequence[object], kinds: Sequence[Sequence[str]]) -> str:
+    """The cells of a row, the first of which is its head."""
+    name, *cells = row
+    rest = "".join(element("td", text(cell), **_class(kind)) for cell, kind in zip(cells, kinds[1:], strict=True))
+    if cells and len(str(name)) > LONG:
+        head = element("th", text(name), scope="row", colspan=len(row), **_class([], name))
+        return element("tr", head) + element("tr", element("td") + rest)
+    return element("tr", element("th", text(name), scope="row") + rest)
+
+
+def _class(kinds: Sequence[str], cell: object = "") -> dict[str, str]:
+    """The attribute of a cell of some kinds, and of one that is long; empty where it is of none."""
+    every = [*kinds, *["long"] * (len(str(cell)) > LONG)]
+    return {"class_": " ".join(every)} if every else {}
 
 
 def facts(pairs: Mapping[str, object]) -> str:

@@ -32,7 +32,7 @@ class Trace:
         speed: shape (n,) [m/s].
         error: shape (n,) [m] distance from the clocked reference.
         rates: shape (n, 3) [rad/s] (body).
-        rotor_thrusts: shape (n, 4) [N].
+        rotor_thrusts: shape (n, rotors) [N].
         commands: shape (n, 4): thrust per mass [m/s^2] and rates [rad/s].
         estimates: shape (n, 4): thrust effectiveness [-] and disturbance [m/s^2] (world); None where none are estimated.
         end: how the flight ended.

@@ -6,9 +6,15 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
 
+from hotlap.core.errors import InputError
+
 if TYPE_CHECKING:
     from hotlap.analysis.resumable import ResumableJobs
     from hotlap.report.article import Article
+
+
+class UnavailableError(InputError):
+    """An experiment needs something that is not installed."""
 
 
 class Experiment(Protocol):
@@ -20,6 +26,9 @@ class Experiment(Protocol):
         Args:
             jobs: keeps results, and the pictures of the page in its folder.
             quick: the short form, under a minute.
+
+        Raises:
+            UnavailableError: something that it needs is not installed.
         """
         ...
 
@@ -32,6 +41,7 @@ EXPERIMENTS: Mapping[str, str] = {
     "experts": "experts",
     "robustness": "robustness",
     "initialisations": "initialisations",
+    "real_world": "real_world",
 }
 """The module of this package that holds the function of each name."""
 
@@ -43,6 +53,9 @@ def perform(name: str, jobs: ResumableJobs, *, quick: bool) -> Article:
         name: one of `EXPERIMENTS`.
         jobs: keeps results, and the pictures of the page in its folder.
         quick: the short form, under a minute.
+
+    Raises:
+        UnavailableError: something that it needs is not installed.
     """
     experiment: Experiment = getattr(import_module(f"hotlap.reproduce.{EXPERIMENTS[name]}"), name)
     return experiment(jobs, quick=quick)

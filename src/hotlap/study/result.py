@@ -26,7 +26,7 @@ class Result:
         validation_flights: of all validations, also of candidates before it whose validation failed.
         remark: of the tuner on its run, for example the number of flights below a safety limit; "" for most.
         selection_flights: by which the parameters were chosen, where the search confirmed none.
-        wall_time: [s] spent on the study, over all processes that worked on it.
+        wall_time: [s] spent on its flights, over all processes that worked on it; planning and compiling are not among them.
     """
 
     race: str

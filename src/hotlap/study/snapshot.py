@@ -16,6 +16,9 @@ from hotlap.study.result import Result
 from hotlap.study.study import Study
 from hotlap.study.tried_plan import TriedPlan, describe_choice
 
+ELSEWHERE = Path("transfer") / "page.html"
+"""The page about flights in other worlds, in the folder of a study; there may be none."""
+
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -30,6 +33,7 @@ class Snapshot:
         openings: when it was worked on, with the versions of what worked.
         command: that began it.
         hold: conditions that its result is to hold under, as they were asked for.
+        advice: what to try where its result is not confirmed, beside what flights say.
         plans: that were tried before one was chosen; empty where the race fixes it.
     """
 
@@ -41,12 +45,14 @@ class Snapshot:
     openings: tuple[tuple[str, Mapping[str, str]], ...]
     command: str
     hold: str = ""
+    advice: tuple[str, ...] = ()
     plans: tuple[TriedPlan, ...] = ()
 
     @property
     def remark(self) -> str:
-        """Which plan was chosen, where one was, and the tuner's own remark."""
-        told = describe_choice(self.plans), "" if self.result is None else self.result.remark
+        """Which plan was chosen, where one was, the tuner's own remark, and where to read how it flew elsewhere."""
+        elsewhere = f"Flown in other worlds, too: {ELSEWHERE}" if (self.folder / ELSEWHERE).is_file() else ""
+        told = describe_choice(self.plans), "" if self.result is None else self.result.remark, elsewhere
         return ". ".join(part for part in told if part)
 
     @property
@@ -69,6 +75,7 @@ def read_snapshot(study: Study) -> Snapshot:
             openings=tuple(study.openings),
             command=study.command or _rebuild(configuration, study.hold),
             hold=study.hold,
+            advice=tuple(study.advice),
             plans=tuple(study.plans),
         )
 

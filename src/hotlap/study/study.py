@@ -65,7 +65,7 @@ class Study:
     def __init__(self, folder: Path, *, owned: bool) -> None:
         self.folder = folder
         self._database = Database(folder, owned=owned)
-        self._mark = time.perf_counter()
+        self._clock, self._mark = time.monotonic, time.monotonic()
         self._state: Any = None  # as it was recorded last, if anything was
 
     @classmethod
@@ -130,7 +130,7 @@ class Study:
 
     @property
     def wall_time(self) -> float:
-        """[s] that processes have spent on it, until the last record."""
+        """[s] that processes have spent on its flights, until the last record; planning and compiling are not among them."""
         return float(self._entry("wall_time") or 0.0)
 
     @property
@@ -170,14 +170,31 @@ class Study:
         return self._entry("hold") or ""
 
     @property
+    def advice(self) -> list[str]:
+        """What to try where its result is not confirmed, beside what flights say; empty where nothing was found out."""
+        return json.loads(self._entry("advice") or "[]")
+
+    def keep_advice(self, advice: Sequence[str]) -> None:
+        """Keep what to try, in place of that of before."""
+        if list(advice) != self.advice:
+            self._enter("advice", json.dumps(list(advice)))
+
+    @property
     def plans(self) -> list[TriedPlan]:
         """The plans that were tried before this one was chosen, this one among them, in the order tried; empty where the race fixes it."""
         return [TriedPlan.load(plain) for plain in json.loads(self._entry("plans") or "[]")]
 
-    def record_plans(self, plans: Sequence[TriedPlan]) -> None:
-        """Keep which plans were tried."""
+    @property
+    def beside(self) -> float:
+        """[s] that choosing its plan took beside its own search; 0 where the race fixes it, or time is not counted."""
+        return float(self._entry("beside") or 0.0)
+
+    def record_plans(self, plans: Sequence[TriedPlan], beside: float = 0.0) -> None:
+        """Keep which plans were tried, and [s] what that took beside the search of this one, where time is counted."""
         with self._transaction():
             self._enter("plans", json.dumps([plan.dump() for plan in plans], allow_nan=False))
+            if beside:
+                self._enter("beside", beside)
 
     @property
     def openings(self) -> list[tuple[str, dict[str, str]]]:
@@ -221,20 +238,26 @@ class Study:
             self._database.execute("INSERT INTO increment VALUES (?)", (change,))
         self._state = grow(before, json.loads(change))  # shares no memory with the tuner
 
-    def run(self, objective: Objective, watch: Callable[[Batch], None] = lambda _: None) -> Result:
+    def run(
+        self, objective: Objective, watch: Callable[[Batch], None] = lambda _: None, clock: Callable[[], float] = time.monotonic
+    ) -> Result:
         """Continue the tuning to its end, and record every batch; a finished study flies nothing.
+
+        The time since the study was opened is not the search's: something may have been compiled.
 
         Args:
             objective: the scenario of the study, bound to its world and metric.
             watch: called after each batch, for progress.
+            clock: [s]
 
         Raises:
             StudyError: the objective's world, metric, cost or randomisation is not the study's.
         """
         self._check(objective)
         tuning = self.tuning
+        self._clock, self._mark = clock, clock()
         tuning.together = self.configuration.settings.batch if is_slow(objective.world) else 0
-        keeper = Timekeeper(tuning, objective, self.wall_time)
+        keeper = Timekeeper(tuning, objective, self.wall_time, clock)
         for batch in tune(keeper, tuning):
             self.record(batch)
             watch(batch)
@@ -327,7 +350,7 @@ class Study:
     @contextmanager
     def _transaction(self) -> Iterator[None]:
         """All or nothing; the time since the last one is added to the wall time."""
-        now = time.perf_counter()
+        now = self._clock()
         with self._database.transaction():
             yield
             self._enter("wall_time", self.wall_time + now - self._mark)

@@ -48,34 +48,34 @@ class Choice:
             flown: the flights of each.
             rates: of the validations that some of them failed, by their index.
         """
-        if self._settings.selection:
-            for i, scores in enumerate(flown):
-                rate = 0.0 if self._settings.minutes else rates.get(i, 0.0)
-                self._contenders.add(parameters[i], merit(scores, self._settings.goal, rate))
+        for i, scores in enumerate(flown):
+            rate = 0.0 if self._settings.minutes else rates.get(i, 0.0)
+            self._contenders.add(parameters[i], merit(scores, self._settings.goal, rate))
 
     def remember(self, flown: Finalist) -> None:
         """Keep a candidate that was flown often, if it is among the best of these."""
         others = [one for one in self._known if one.parameters.tobytes() != flown.parameters.tobytes()]
-        self._known = sorted([*others, flown], key=lambda one: one.rank, reverse=True)[:KNOWN] if self._settings.selection else []
+        self._known = sorted([*others, flown], key=lambda one: one.rank, reverse=True)[:KNOWN]
 
     def begin_anew(self) -> None:
         """Give up a selection that is under way, as the search goes on: it has been given more flights, or more time."""
         self._selection, self._cycle = None, 0
 
-    def next_round(self, flown: tuple[int, int]) -> tuple[Parameters, int]:
+    def next_round(self, flown: tuple[int, int], best: Parameters) -> tuple[Parameters, int]:
         """The finalists of the next round, shape (F, S, K), and how often each is to be flown.
 
         Args:
             flown: flights of the search and of selections before.
+            best: shape (S, K), of the search by its scores; the only finalist where no other is remembered.
         """
         if self._selection is None:
-            self._selection = self._begin(self._recommended(flown))
+            self._selection = self._begin(self._recommended(flown), best)
         return np.array([one.parameters for one in self._selection.finalists]), self._selection.flights_each
 
-    def _begin(self, theirs: list[Parameters]) -> Selection:
+    def _begin(self, theirs: list[Parameters], best: Parameters) -> Selection:
         """Among the candidates that look best and those that the tuner recommends; then among what it recommends by what it has learnt."""
         candidates = theirs if self._cycle else mixed(self._contenders.best(), theirs)
-        return Selection.begin(candidates[:FINALISTS], self.flights // self._cycles(theirs), self._known)
+        return Selection.begin(candidates[:FINALISTS] or [best], self.flights // self._cycles(theirs), self._known)
 
     def after_round(self, scores: Scores, flown: tuple[int, int]) -> Candidate | None:
         """What is chosen, if this was the last round. A tuner that learns from any flights is told of these.

@@ -174,7 +174,7 @@ class Tuning:
         spent, the last pass validates the best candidate.
         """
         if self.searched and self.best is not None:
-            ledger = yield from (self._finish(self.best) if self._selected else self._select())
+            ledger = yield from (self._finish(self.best) if self._selected else self._select(self.best))
             return self._report(ledger, ())
         self._choice.begin_anew()
         each = self.settings.flights_each
@@ -221,9 +221,9 @@ class Tuning:
             self.best = replace(best, confirmed=self.validation.rate >= self.settings.reliability)
         return ledger
 
-    def _select(self) -> Generator[Request, Scores, Ledger]:
+    def _select(self, best: Candidate) -> Generator[Request, Scores, Ledger]:
         """One round of a selection; after the last one the result is chosen."""
-        parameters, each = self._choice.next_round((self.flights, self.selection_flights))
+        parameters, each = self._choice.next_round((self.flights, self.selection_flights), best.parameters)
         ledger, scores = yield from self._fly(Stream.SELECTION, np.repeat(parameters, each, axis=0))
         chosen = self._choice.after_round(scores, (self.flights, self.selection_flights))
         if chosen is not None:

@@ -16,6 +16,7 @@ from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
 from hotlap.core.world_names import BUILT_IN
+from hotlap.race.plant_kind import PLAIN, plant_kind_of
 from hotlap.reference.scenario import Scenario
 from hotlap.system.numba_start import defer_blas
 
@@ -46,7 +47,7 @@ class BuiltIn:
         self.name, self.takes_vehicle_parameters = BUILT_IN, True
         self.effort: Effort | None = None
         self._numbers, self.threads = numbers, threads
-        self._sound: dict[str, Numbers] = {}
+        self._sound: dict[tuple[str, str], Numbers] = {}
 
     @cached_property
     def numbers(self) -> Numbers:
@@ -61,7 +62,7 @@ class BuiltIn:
         defer_blas()
         from hotlap.flight import kernel, kernel_cache  # noqa: PLC0415
 
-        return not kernel_cache.is_filled(kernel.worker(self.numbers, scenario.race.controller.law))
+        return not kernel_cache.is_filled(kernel.worker(self.numbers, scenario.race.controller.law, plant_kind_of(scenario.race.vehicle)))
 
     def prepare(self, scenario: Scenario) -> None:
         """Compile the kernel, or load it from the cache, by flying once."""
@@ -79,24 +80,24 @@ class BuiltIn:
         """Fly a batch; see `World.fly`. The columns of `vehicle_parameters` are `vehicle_parameters.VEHICLE_PARAMETERS`."""
         from hotlap.flight.fly import fly_batch  # noqa: PLC0415
 
-        numbers = self.sound_numbers(scenario.race.controller.law)
+        numbers = self.sound_numbers(scenario.race.controller.law, plant_kind_of(scenario.race.vehicle))
         flights, self.effort = fly_batch(
             scenario, parameters, seeds, numbers=numbers, threads=self.threads, vehicle_parameters=vehicle_parameters, log=log
         )
         return flights
 
-    def sound_numbers(self, law: str) -> Numbers:
-        """Kind of number that flights of a controller are computed in: what was asked for, unless it fails its self-check."""
+    def sound_numbers(self, law: str, plant: str = PLAIN) -> Numbers:
+        """Kind of number that flights of a controller and a plant are computed in: what was asked for, unless it fails its self-check."""
         from hotlap.flight.numbers import Numbers  # noqa: PLC0415
         from hotlap.flight.self_check import agrees  # noqa: PLC0415
 
-        if law not in self._sound:
+        if (law, plant) not in self._sound:
             try:
-                sound = not self.numbers.width or agrees(self.numbers, law)
+                sound = not self.numbers.width or agrees(self.numbers, law, plant)
                 reason = f"{UNSOUND.format(self.numbers)} (numba {version('numba')}, {machine()})"
             except HotlapError as error:  # no second interpreter, for want of memory or of a program
                 sound, reason = False, f"{error}, so flights are computed in float64, ten times slower"
-            self._sound[law] = self.numbers if sound else Numbers.FLOAT64
+            self._sound[law, plant] = self.numbers if sound else Numbers.FLOAT64
             if not sound:
                 warnings.warn(reason, RuntimeWarning, stacklevel=3)
-        return self._sound[law]
+        return self._sound[law, plant]

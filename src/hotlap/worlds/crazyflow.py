@@ -36,7 +36,7 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Sep
         argument: name of a drone of crazyflow, which flies as crazyflow describes it, its rate loop too; "": the race's vehicle.
 
     Raises:
-        SimulatorError: crazyflow is not installed.
+        SimulatorError: crazyflow is not installed, or the vehicle's rotors do not sit in a square.
         UnknownNameError: it has no such drone.
     """
     del instance
@@ -68,7 +68,7 @@ class Crazyflow:
         scales_thrust: False.
 
     Raises:
-        SimulatorError: crazyflow is not installed.
+        SimulatorError: crazyflow is not installed, or the vehicle's rotors do not sit in a square.
         UnknownNameError: it has no such drone.
     """
 

@@ -48,7 +48,8 @@ class Instance:
                 self._simulator, self._raced = self._open(scenario, self._number), raced
             except LOSSES as error:
                 raise InputError("", "on", f"{error}") from error
-        clock = Clock(self._simulator.step, race.controller.period, race.vehicle.delay)
+        own = getattr(self._simulator, "delay", 0.0)  # whoever has none need not say so
+        clock = Clock(self._simulator.step, race.controller.period, max(race.vehicle.delay - own, 0.0))
         clock.check(self._name, self._simulator.lanes)
         return self._simulator, clock
 

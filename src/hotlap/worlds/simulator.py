@@ -41,6 +41,8 @@ class Simulator(Protocol):
         step: [s] of which every duration is a whole multiple.
         scales_thrust: whether it heeds `Start.thrust_factor`; else the world multiplies what it commands.
 
+    A simulator whose own rate loop answers late may have `delay` besides, that dead time [s]: of the vehicle's the world adds the rest.
+
     Every method raises `SimulatorError` within its time-out when the simulator is lost; a simulator that has raised is closed and
     opened anew for the next flight.
     """

@@ -69,6 +69,14 @@ class Stepped:
         flight.judge(state, np.zeros(4))
         flight.lose()
 
+    def open(self, scenario: Scenario) -> None:
+        """Open the first simulator for a race, so that one that is not there is told of before anything is flown.
+
+        Raises:
+            InputError: it cannot be opened.
+        """
+        self._instances[0].simulator(scenario)
+
     def fly(
         self,
         scenario: Scenario,

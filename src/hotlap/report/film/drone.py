@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.race.quadrotor import RotorLayout, rotor_positions
-
 Floats = NDArray[np.float64]
 
 _ANGLES = np.linspace(0, 2 * np.pi, 17)
@@ -25,15 +23,16 @@ def turn(attitude: Floats, vectors: Floats) -> Floats:
     return vectors + w * twice + np.cross(axis, twice)
 
 
-def draw_drone(position: Floats, attitude: Floats, size: float, layout: RotorLayout) -> list[Floats]:
-    """Two arms and four rotors as lines, each shape (points, 3) [m] (world).
+def draw_drone(position: Floats, attitude: Floats, size: float, rotors: Floats) -> list[Floats]:
+    """Arms and rotors as lines, each shape (points, 3) [m] (world); rotors that lie opposite each other share an arm.
 
     Args:
         position: shape (3,) [m] (world).
         attitude: shape (4,) (w, x, y, z), body to world.
         size: [m] of an arm, as large as it should be seen.
-        layout: where the rotors sit.
+        rotors: shape (r, 2), where they sit, in arms.
     """
-    hubs = np.pad(rotor_positions(layout, 1.0), ((0, 0), (0, 1)))  # in the plane of the arms
-    arms = [hubs[[0, 2]], hubs[[1, 3]]]
+    hubs, half = np.pad(rotors, ((0, 0), (0, 1))), len(rotors) // 2  # in the plane of the arms
+    opposite = len(rotors) % 2 == 0 and np.allclose(hubs[:half], -hubs[half:])
+    arms = list(np.stack([hubs[:half], hubs[half:]], axis=1)) if opposite else [np.stack([0 * hub, hub]) for hub in hubs]
     return [position + size * turn(attitude, line) for line in (*arms, *(_DISC + hub for hub in hubs))]

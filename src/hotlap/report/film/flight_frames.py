@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.records import Flights
-from hotlap.race.quadrotor import RotorLayout
 from hotlap.reference.scenario import Scenario
 from hotlap.report.page.replay import ParameterSet
 from hotlap.report.scene import trace
@@ -25,7 +24,7 @@ class FlightFrames:
 
     Attributes:
         label: of the parameters.
-        layout: where the drone's rotors sit.
+        rotors: shape (r, 2) [-] where the drone's rotors sit, in arms.
         position: shape (n, 3) [m] (world), one row a frame.
         attitude: shape (n, 4) (w, x, y, z), body to world.
         speed: shape (n,) [m/s].
@@ -36,7 +35,7 @@ class FlightFrames:
     """
 
     label: str
-    layout: RotorLayout
+    rotors: Floats
     position: Floats
     attitude: Floats
     speed: Floats
@@ -78,7 +77,7 @@ def cut(scenario: Scenario, flights: Flights, index: int, label: str, interval: 
     gates = flight.seen_times[: flight.gates_passed]
     return FlightFrames(
         label=label,
-        layout=scenario.race.vehicle.layout,
+        rotors=scenario.race.vehicle.rotor_positions / scenario.race.vehicle.arm,
         position=rows[:, :3],
         attitude=rows[:, 3:7] / np.maximum(np.linalg.norm(rows[:, 3:7], axis=1, keepdims=True), 1e-9),
         speed=np.linalg.norm(rows[:, 7:10], axis=1),

@@ -135,7 +135,7 @@ class _Panel:
         self._lost.set_segments(_pairs(self._path[good : k + 1]))
         self._lit.set_segments([line for lines in self._gates[: flight.passed[k]] for line in lines])
         position, failed = flight.position[k], flight.failed and over
-        drone = draw_drone(position, flight.attitude[k], self._size, flight.layout)
+        drone = draw_drone(position, flight.attitude[k], self._size, flight.rotors)
         self._drone.set_segments([self._camera.project(line) for line in drone])
         self._drone.set_color(FAILURE if failed else LIGHT)
         self._plumb.set_data(*self._camera.project(np.array([position, [*position[:2], self._ground]])).T)

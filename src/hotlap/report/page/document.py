@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from hotlap.analysis.remedies import failures_of, what_to_try
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.feasibility.race import mistaken
 from hotlap.files.descriptions import PARAMETERS_FILE, to_toml
-from hotlap.race.quadrotor import rotor_positions
 from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
@@ -59,6 +59,7 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
         "samples": _samples(snapshot),
         "sensitivity": _sensitivity(replay),
         "robustness": [] if replay is None else [_robustness(change) for change in replay.robustness],
+        "advice": [] if replay is None else list(what_to_try(failures_of(replay.robustness), snapshot.advice)),
         "configuration": _configuration(snapshot),
     }
 
@@ -203,7 +204,7 @@ def dump_scenario(scenario: Scenario) -> dict[str, Any]:
         "segment_names": [f"{i + 1} {kind}" for i, kind in enumerate(segments.segment_classes)],
         "reference": _reference(scenario),
         "limits": {"thrust": list(scenario.thrust_limits), "rates": list(settings.rates), "rotor_thrust": list(vehicle.rotor_thrust)},
-        "rotors": rotor_positions(vehicle.layout, vehicle.arm).tolist(),
+        "rotors": vehicle.rotor_positions.tolist(),
     }
 
 

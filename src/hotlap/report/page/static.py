@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from hotlap.analysis.remedies import failures_of, what_to_try
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.counts import count
 from hotlap.core.success_rate import Validation, wilson_interval
@@ -129,14 +130,17 @@ def _tables(snapshot: Snapshot, replay: Replay | None) -> Iterator[str]:
         yield element("h2", "Robustness: the tuned parameters under other conditions") + _robustness(
             replay.robustness, asked=bool(snapshot.hold)
         )
+    advice = what_to_try(failures_of(replay.robustness), snapshot.advice)
+    if advice:
+        yield element("h2", "What to try") + element("ul", "".join(element("li", text(line)) for line in advice))
 
 
 def _robustness(robustness: Sequence[Robustness], *, asked: bool) -> str:
     """A row for each condition: success rate, what is left of the thrust, and why flights fail."""
-    heads = ("condition", "success rate", "thrust over what is needed", "why flights fail, and what to try", *["asked for"] * asked)
+    heads = ("condition", "success rate", "thrust over what is needed", "why flights fail", *["asked for"] * asked)
     rows = []
     for one in robustness:
-        thrust, why = "" if one.margin is None else one.margin.figure, one.causes[0].words if one.causes else ""
+        thrust, why = "" if one.margin is None else one.margin.figure, f"{one.causes[0].cause}: {one.causes[0].found}" if one.causes else ""
         rows.append((one.change, share(one.validation.successes, one.validation.flights), thrust, why, *["yes" * one.asked] * asked))
     return table(heads, rows)
 

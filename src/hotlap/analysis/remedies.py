@@ -1,0 +1,97 @@
+"""Remedies: what to try where flights fail, from all that was found out about it, in one list, each once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from hotlap.analysis.diagnosis import Diagnosis
+from hotlap.analysis.robustness import Robustness
+from hotlap.race.conditions import UNCHANGED
+
+SETTING = re.compile(r"\b([a-z_]+\.[a-z_]+) = (\[[^\]]*\]|[^\s,;]*[^\s,;:])")  # of a race, with its value
+SHARE = "planning.thrust_share"
+
+Failures = Sequence[tuple[str, Sequence[Diagnosis]]]
+
+
+@dataclass(frozen=True)
+class _Told:
+    """One piece of advice.
+
+    Attributes:
+        words: what to do.
+        condition: under which flights fail; "" where it is not about one.
+        proof: what flights without the cause gave, in words; "" where there were none.
+        studied: whether it was found out by other means than these flights.
+    """
+
+    words: str
+    condition: str = ""
+    proof: str = ""
+    studied: bool = False
+
+    @property
+    def setting(self) -> str:
+        """What it would set, or what it says: advice with the same is told once."""
+        found = SETTING.search(self.words)
+        return found[1] if found else self.words
+
+    @property
+    def value(self) -> str:
+        """What it would be set to; "" where it is no setting."""
+        found = SETTING.search(self.words)
+        return found[2] if found else ""
+
+    def reason(self, value: str) -> str:
+        """For which condition it is, with its value where that is another."""
+        told = ", ".join(part for part in (self.value if self.value != value else "", self.proof) if part)
+        return ": ".join(part for part in (self.condition, told) if part)
+
+
+def failures_of(robustness: Sequence[Robustness], causes: Sequence[Diagnosis] = ()) -> Failures:
+    """Why flights fail, by the names of the conditions under which they do: all causes as tuned, else the likeliest one.
+
+    The name is "" where nothing but one set of flights is known.
+
+    Args:
+        robustness: of all conditions, as tuned first; empty where they were not flown.
+        causes: of flights as tuned, where these are others.
+    """
+    tuned = [(UNCHANGED.name if robustness else "", tuple(causes))] if causes else []
+    rows = [(one.change, one.causes[: None if one.condition == UNCHANGED else 1]) for one in robustness]
+    return [*tuned, *((name, found) for name, found in rows if found and not (tuned and name == UNCHANGED.name))]
+
+
+def why(failures: Failures) -> Iterator[str]:
+    """A line for each cause, with the conditions under which it makes flights fail."""
+    found = dict[str, list[str]]()
+    for condition, causes in failures:
+        for cause in causes:
+            found.setdefault(f"{cause.cause}: {cause.found}", []).append(condition)
+    yield from (f"{', '.join(conditions)}: {words}" if any(conditions) else words for words, conditions in found.items())
+
+
+def what_to_try(failures: Failures, further: Sequence[str] = ()) -> tuple[str, ...]:
+    """A line for each thing to try, with the conditions that it is for and what flights with it gave; each setting once.
+
+    Args:
+        failures: from `failures_of`.
+        further: what else was found out, as by tuning calmer plans; it comes first.
+    """
+    told = [_Told(words, studied=True) for words in further]
+    told += [_Told(one.advice, condition, one.proof) for condition, causes in failures for one in causes]
+    groups = dict[str, list[_Told]]()
+    for one in told:
+        groups.setdefault(one.setting, []).append(one)
+    return tuple(_line(group) for group in groups.values())
+
+
+def _line(group: Sequence[_Told]) -> str:
+    """What is to be set, or done, and why."""
+    first = group[0]
+    if first.setting == SHARE and not first.studied:  # the calmest plan does for all of them
+        first = min(group, key=lambda one: float(one.value))
+    reasons = dict.fromkeys(reason for one in group if not one.studied and (reason := one.reason(first.value)))
+    return f"{first.words} ({'; '.join(reasons)})" if reasons else first.words

@@ -1,0 +1,118 @@
+"""Article of a transfer: how the same parameters fly in several worlds, with tables and charts."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from hotlap.analysis.transfer import DEFAULT, TUNED, TransferFlight, TransferRow, metres
+from hotlap.core.counts import count
+from hotlap.report.article import Article
+from hotlap.system.journal import Journal
+
+HEADS = ("world", "parameters", "all gates", "mean error [m]", "largest error [m]", "lap [s]")
+FEW = 5  # flights whose errors are written one by one
+CAPTIONS = (
+    "Tracking error of all control steps of all flights: quartiles and median, 5 and 95 %, largest",
+    "Tracking error over time, a line for each flight",
+)
+
+
+def compose_article(race: str, rows: Sequence[TransferRow], pictures: Sequence[Path], command: str) -> Article:
+    """The article of a transfer.
+
+    Args:
+        race: its name.
+        rows: of all worlds, that where the parameters were tuned first.
+        pictures: both charts; none where they could not be drawn.
+        command: shell command that does the same again; "" where there is none.
+    """
+    home, *others = dict.fromkeys(row.world for row in rows)
+    article = Article(f"{race}: flown elsewhere", source=Journal.file)
+    everywhere = f"{', '.join([home, *others[:-1]])} and {others[-1]}"
+    article.say(
+        f"Parameters that were tuned in the world *{home}*, and the default ones, flown in {everywhere} "
+        f"with the same noise, {count(len(rows[0].flights), 'flight')} each. The error is the distance from the clocked reference; flights "
+        "go on after a missed gate, to their end or to a crash."
+    )
+    add_results(article, rows, pictures)
+    article.head("What it says")
+    article.say(
+        "The plan, the controller and what it knows of the vehicle are the same everywhere; all else is the world's own. Nothing was tuned "
+        f"but in {home}. A result that holds in a world that others have written does not rest on the mistakes of the first. None of them "
+        "is a real drone."
+    )
+    if command:
+        article.head("Run it again")
+        article.say(f"`{command}`")
+    return article
+
+
+def add_results(article: Article, rows: Sequence[TransferRow], pictures: Sequence[Path]) -> None:
+    """Add the table, what changed by tuning, the charts, and how flights ended that did not finish."""
+    article.table(HEADS, cells_of(rows))
+    for line in changes(rows):
+        article.say(line)
+    for path, caption in zip(pictures, CAPTIONS, strict=False):
+        article.picture(path, caption)
+    ends = list(endings(rows))
+    if ends:
+        article.head("Flights that missed a gate")
+        article.table(("world", "parameters", "ended"), ends)
+
+
+def cells_of(rows: Sequence[TransferRow]) -> list[list[str]]:
+    """A row of cells for each, in the order of `HEADS`."""
+    return [
+        [
+            row.world,
+            row.label,
+            f"{row.complete.successes} of {row.complete.flights}",
+            errors_of(row, lambda flight: flight.mean_error),
+            errors_of(row, lambda flight: flight.max_error),
+            f"{row.lap_time:.2f}" if math.isfinite(row.lap_time) else "-",
+        ]
+        for row in rows
+    ]
+
+
+def errors_of(row: TransferRow, quantity: Callable[[TransferFlight], float]) -> str:
+    """An error of each flight; of many their mean and range."""
+    values = [quantity(flight) for flight in row.flights]
+    if len(values) <= FEW:
+        return " / ".join(map(metres, values))
+    finite = [value for value in values if math.isfinite(value)]
+    return f"{metres(float(np.mean(finite)))} ({metres(min(finite))} to {metres(max(finite))})" if finite else "-"
+
+
+def changes(rows: Sequence[TransferRow]) -> Iterator[str]:
+    """For each world a sentence: what tuning changed there. Errors are compared where all flights are whole."""
+    found = {(row.world, row.label): row for row in rows}
+    for world in dict.fromkeys(row.world for row in rows):
+        tuned, default = found.get((world, TUNED)), found.get((world, DEFAULT))
+        if tuned is None or default is None:
+            continue
+        if tuned.complete.rate == default.complete.rate == 1:
+            shares = [_change(getattr(tuned, name), getattr(default, name)) for name in ("mean_error", "max_error")]
+            yield f"{world}: tuned against default, mean error {shares[0]}, largest error {shares[1]} (means of the flights)"
+        else:
+            mine, others = tuned.complete, default.complete
+            flights = f"{mine.successes} of {count(mine.flights, 'flight')}"
+            yield f"{world}: {flights} pass every gate when tuned, {others.successes} of {others.flights} with the default parameters"
+
+
+def endings(rows: Sequence[TransferRow]) -> Iterator[list[str]]:
+    """World, parameters and "2 missed gate 3, 1 hit the floor before gate 5" where flights did not finish."""
+    for row in rows:
+        ends = Counter(flight.ending for flight in row.flights if not flight.complete)
+        if ends:
+            yield [row.world, row.label, ", ".join(f"{number} {words}" for words, number in ends.most_common())]
+
+
+def _change(now: float, before: float) -> str:
+    """Relative change in per cent, with its sign."""
+    return f"{100 * (now / before - 1):+.0f} %" if math.isfinite(now) and before > 0 else "-"
