@@ -20,7 +20,9 @@ from hotlap.worlds import crazyflow, rotorpy
 from hotlap.worlds.crazyflow import Crazyflow
 from hotlap.worlds.separate import Separate
 from hotlap.worlds.simulator import SimulatorError, Start
+from worlds.contract import SimulatorContract
 
+needed = pytest.mark.skipif(not crazyflow.installed(), reason="crazyflow is not installed")
 LANES = 3
 HIGH = np.array([0.0, 0, 100, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0])
 OWN = "cf21B_500"
@@ -72,8 +74,20 @@ def moving(*velocity: float) -> np.ndarray:
 
 
 @pytest.mark.check
-@pytest.mark.skipif(not crazyflow.installed(), reason="crazyflow is not installed")
-class TestCrazyflow:
+@needed
+class TestCrazyflow(SimulatorContract):
+    place = 1e-5  # m: it computes in single precision
+
+    def make(self, quadrotor):
+        return Separate(Crazyflow, quadrotor, None, "", LANES, environment=crazyflow.ENVIRONMENT)
+
+    def lose(self, simulator):
+        simulator._process.kill()
+
+
+@pytest.mark.check
+@needed
+class TestVehicles:
     @pytest.mark.parametrize("vehicle", ["airsim", "hummingbird", "cf21b-500"])
     def test_any_vehicle_hovers_where_it_is(self, place, vehicle):
         quadrotor = load_quadrotor(vehicle)

@@ -91,7 +91,7 @@ def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:
         prepare_world(scenario)
     if isinstance(world, Stepped):
         with progress.working(world.opening):
-            world.open(scenario)
+            world.capacity(scenario)
 
 
 def make_kind_ready(world: World, kind: ControllerKind, progress: Progress) -> None:

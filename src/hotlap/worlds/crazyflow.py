@@ -21,7 +21,7 @@ MISSING = "crazyflow is not installed: pip install 'hotlap[crazyflow]'"
 OPENING = "compiling crazyflow"
 ENVIRONMENT = {"SCIPY_ARRAY_API": "1"}
 STEP = 0.0025  # s, of physics and rate loop
-LANES = 32
+LANES = 16
 FROM_ORIGIN = Start(np.array([0.0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]))
 TO_XYZW, TO_WXYZ = [0, 1, 2, 4, 5, 6, 3, *range(7, 13)], [0, 1, 2, 6, 3, 4, 5, *range(7, 13)]  # of a state
 OUR_ROTORS = [3, 0, 1, 2]  # among those of its drones: front left, front right, back right, back left
@@ -36,7 +36,7 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Sep
         argument: name of a drone of crazyflow, which flies as crazyflow describes it, its rate loop too; "": the race's vehicle.
 
     Raises:
-        SimulatorError: crazyflow is not installed.
+        SimulatorError: crazyflow is not installed, or the vehicle's rotors do not sit in a square.
         UnknownNameError: it has no such drone.
     """
     del instance
@@ -68,7 +68,7 @@ class Crazyflow:
         scales_thrust: False.
 
     Raises:
-        SimulatorError: crazyflow is not installed.
+        SimulatorError: crazyflow is not installed, or the vehicle's rotors do not sit in a square.
         UnknownNameError: it has no such drone.
     """
 
