@@ -19,6 +19,7 @@ D_UNIT = 0.0000303  # signal of a motor per rad/s^2 of measured rates and unit o
 AXES = ("roll", "pitch", "yaw")
 STOCK_P, STOCK_I = (45, 47), (80, 84)  # of roll and pitch
 STOCK_D = (35, 40)  # in the middle: Betaflight raises D from 30 and 34 to 40 and 46 in fast turns
+RELAXED = 0.1  # of the integral of roll and pitch that acts in flight: iterm_relax holds it while they turn
 MOST_YAW_I = 80  # the stock gain
 D_CUTOFF = 60.0  # Hz: of one filter in place of its two of 75 to 150 and 150 Hz
 HIGHEST_GAIN = 250  # that the command line takes
@@ -48,7 +49,7 @@ def rate_loop_of(quadrotor: Quadrotor) -> RateLoop:
     p, i = _yaw(quadrotor)
     return RateLoop(
         p=_times(P_UNIT, STOCK_P, p),
-        i=_times(I_UNIT, STOCK_I, i),
+        i=(I_UNIT * RELAXED * STOCK_I[0], I_UNIT * RELAXED * STOCK_I[1], I_UNIT * i),
         d=_times(D_UNIT, STOCK_D, 0),
         d_cutoff=D_CUTOFF,
         limit=LIMITS,
@@ -64,7 +65,8 @@ def _times(unit: float, both: tuple[int, int], yaw: int) -> tuple[float, float, 
 
 def _lines_of(loop: RateLoop) -> list[str]:
     """Lines with the gains of a rate loop."""
-    terms = (("p", P_UNIT, loop.p), ("i", I_UNIT, loop.i), ("d", D_UNIT, loop.d), ("d_max", D_UNIT, loop.d))
+    integral = (loop.i[0] / RELAXED, loop.i[1] / RELAXED, loop.i[2])
+    terms = (("p", P_UNIT, loop.p), ("i", I_UNIT, integral), ("d", D_UNIT, loop.d), ("d_max", D_UNIT, loop.d))
     return [
         f"set {term}_{axis} = {min(round(gain / unit), HIGHEST_GAIN)}"
         for term, unit, gains in terms
