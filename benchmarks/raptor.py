@@ -1,9 +1,9 @@
 """Why tune at all? RAPTOR, a learned controller that needs no tuning, beside the MPC: python benchmarks/raptor.py [RACE..]
 
 Both fly in RotorPy, with the same vehicle, the same starts and the same judge (`hotlap.worlds.stepped`); RAPTOR is flown by RotorPy's own
-`controllers/raptor.py`, and is asked to be where the MPC is asked to be. Needs `pip install 'hotlap[rotorpy]' foundation-policy==1.0.1`,
-which holds its weights (MIT). RAPTOR commands rotor speeds: the MPC's actuation noise does not reach it. It was trained without dead time,
-so it flies with the race's and without any.
+`controllers/raptor.py`, and is asked to be where the MPC is asked to be. Needs `pip install 'hotlap[rotorpy]' foundation-policy==1.0.1`
+(MIT; its weights are in the package). RAPTOR commands rotor speeds: the MPC's actuation noise does not reach it. It flies with the dead
+time of the race and without any.
 """
 
 from __future__ import annotations
@@ -11,26 +11,72 @@ from __future__ import annotations
 import argparse
 import math
 from collections import deque
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from abroad import Row, fly, tuned_parameters
 from numpy.typing import NDArray
 from rotorpy.controllers.raptor import RaptorFoundationPolicy
 
-from hotlap.files.descriptions import load_race, save
-from hotlap.planning.preparation import prepare
+import hotlap
+from hotlap.core.records import Flights
+from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.files.descriptions import PARAMETERS_FILE, load_parameters, load_race, save
+from hotlap.planning.preparation import parameters_for, prepare
 from hotlap.race.quadrotor import RotorLayout
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds import rotorpy
 from hotlap.worlds.simulator import Start
 from hotlap.worlds.stepped import Stepped
+from hotlap.worlds.world import World
 
 Floats = NDArray[np.float64]
 
 RACES = ("circle-34", "circle-20", "qualifier-20", "lsy-level0", "circle-34@5")  # the last one at up to 5 m/s
 PERIOD = 4  # steps of RotorPy between two actions: the 10 ms that it was trained with
 PLUS = [1, 0, 3, 2]  # its rotors (front left, front right, back right, back left) seen from a drone whose front is a rotor
+
+
+@dataclass(frozen=True)
+class Row:
+    """What became of some flights."""
+
+    complete: int
+    flights: int
+    passed: float
+    error: float
+    largest: float
+
+    @classmethod
+    def of(cls, flights: Flights) -> Row:
+        """Of a batch; errors in metres of complete flights."""
+        complete = flights.gates_passed == len(flights.gate_times)
+        if not complete.any():
+            return cls(0, len(flights), share_passed(flights), np.nan, np.nan)
+        errors = float(flights.mean_error[complete].mean()), float(flights.max_error[complete].max())
+        return cls(int(complete.sum()), len(flights), share_passed(flights), *errors)
+
+    def __str__(self) -> str:
+        """As a part of a table."""
+        return f"{self.complete:3d} of {self.flights:3d}  {100 * self.passed:5.1f} %  {self.error:6.3f} {self.largest:6.3f}"
+
+
+def share_passed(flights: Flights) -> float:
+    """Share of the gates that were passed, in the mean."""
+    return float(flights.gates_passed.mean() / len(flights.gate_times))
+
+
+def tuned_parameters(race: str, scenario: Scenario, out: Path) -> NDArray[np.float64]:
+    """Parameters that the default tuner finds in the built-in world with seed 0, kept in a folder, shape (S, K)."""
+    if not (out / PARAMETERS_FILE).exists():
+        hotlap.tune(race, out=out)
+    return parameters_for(scenario, load_parameters(out), str(out))
+
+
+def fly(world: World, scenario: Scenario, parameters: NDArray[np.float64], flights: int) -> Flights:
+    """Fly parameters, shape (S, K), with the seeds of `hotlap fly`."""
+    seeds = flight_seeds(0, Stream.VALIDATION, 0, flights)
+    return world.fly(scenario, np.tile(parameters[None], (flights, 1, 1)), seeds)
 
 
 class Raptor(rotorpy.RotorPy):
