@@ -81,7 +81,8 @@ def _asked_in_signals(
     error = command[1:] - rates
     integral = _between(-autopilot["integral_limit"], memory["integral"] + autopilot["i"] * error * step, autopilot["integral_limit"])
     slope = memory["slope"] + autopilot["d_share"] * ((rates - memory["measured"]) / step - memory["slope"])
-    turn = _between(-autopilot["limit"], autopilot["p"] * error + integral - autopilot["d"] * slope, autopilot["limit"])
+    answer = vehicle["rate_gain"] * (autopilot["p"] * error + integral - autopilot["d"] * slope)
+    turn = _between(-autopilot["limit"], answer, autopilot["limit"])
     share, idle = _between(0, autopilot["mass"] * command[0] / (rotors * autopilot["largest"]), 1), autopilot["idle"]
     output = share + autopilot["on_speed"] * (ca.sqrt(share) - share)
     throttle = ca.fmax((output - idle) / (1 - idle), 0)
