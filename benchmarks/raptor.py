@@ -28,7 +28,7 @@ from hotlap.worlds.stepped import Stepped
 
 Floats = NDArray[np.float64]
 
-RACES = ("circle-34", "circle-20", "qualifier-20", "lsy-level0", "circle-34@5", "circle-34@8")  # the last two at so many m/s
+RACES = ("circle-34", "circle-20", "qualifier-20", "lsy-level0", "circle-34@5")  # the last one at up to 5 m/s
 PERIOD = 4  # steps of RotorPy between two actions: the 10 ms that it was trained with
 PLUS = [1, 0, 3, 2]  # its rotors (front left, front right, back right, back left) seen from a drone whose front is a rotor
 

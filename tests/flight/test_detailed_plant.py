@@ -10,9 +10,11 @@ from numpy.testing import assert_allclose
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
+from hotlap.flight.detailed_plant import detailed_vehicle_numbers
 from hotlap.race.plant_kind import PLAIN, detailed_kind, plant_kind_of
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.rate_loop import LEAST_THROTTLE, LIMITS, Mixer, Output, RateLoop
+from hotlap.race.vehicle_parameters import COLUMNS, scale, vehicle_parameters_of
 
 from .open_loop import REST, OpenLoop
 
@@ -153,6 +155,18 @@ def test_the_gain_in_hover_is_what_a_small_error_is_answered_with(loop):
         command[1 + axis] = 1e-3
         turned = OpenLoop(quadrotor).fly(command)[-1, 10 + axis]
         assert turned / (1e-3 * 0.0025) == pytest.approx(quadrotor.hover_rate_gain[axis], rel=1e-3)
+
+
+def test_a_flight_with_other_gains_has_the_signals_of_a_pid_loop_scaled():
+    """As `--hold "rate_gain=-20%"` asks for."""
+    quadrotor = QUICK.model_copy(update={"rate_loop": RateLoop(p=(0.1, 0.1, 0.2))})
+    turned = []
+    for factor in (1.0, 0.8):
+        vehicle, row = OpenLoop(quadrotor), vehicle_parameters_of(quadrotor)[None]
+        weaker = scale(row, COLUMNS["rate_gain"], factor)
+        vehicle.memory.vehicle[:, 0] = detailed_vehicle_numbers(weaker, quadrotor)[0]
+        turned.append(vehicle.fly([quadrotor.gravity, 0.1, 0.1, 0.1])[-1, 10:])
+    assert_allclose(turned[1], 0.8 * turned[0], rtol=1e-5)
 
 
 def test_with_signals_for_speed_the_gain_grows_with_throttle():

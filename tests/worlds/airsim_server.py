@@ -19,6 +19,7 @@ from typing import Any, Self
 import msgpack
 import numpy as np
 
+from worlds.airsim_messages import pose_told, rotors_told, state_meant, state_told, vector_told
 from worlds.airsim_plant import STEP, Plant
 
 FULL_THRUST, SEA_LEVEL = 4 * 4.179446, 1.225  # N, kg/m^3
@@ -97,6 +98,7 @@ class Server:
         self.stamp, self._steps, self._continued, self._moves = 1_700_000_000_000_000_000, 0, 0, 0
         self.controlled = self._armed = self.paused = self._placed = False
         self._move: Move | None = None
+        self._more = False
         self._goal, self._goal_stamp, self._stuck = np.zeros(4), 0, None
         self._threads[0].start()
         return self
@@ -128,8 +130,10 @@ class Server:
         with suppress(OSError, ValueError):
             while data := connection.recv(65536):
                 unpacker.feed(data)
-                for _, number, method, arguments in unpacker:
+                requests = list(unpacker)
+                for k, (_, number, method, arguments) in enumerate(requests, 1):
                     with self._lock:
+                        self._more = k < len(requests)
                         self._take(connection, number, method, arguments)
                     if self._moves == self.cut_at:
                         self._moves += 1
@@ -206,28 +210,28 @@ class Server:
             "cancelLastTask": ((str,), none),
             "simContinueForTime": ((float,), none),
             "moveByAngleRatesThrottle": ((float, float, float, float, float, str), none),
-            "getMultirotorState": ((str,), lambda _: self._told()),
-            "simGetGroundTruthEnvironment": ((str,), lambda _: {"air_density": self.density, "gravity": _vector([0, 0, 9.80665])}),
+            "getMultirotorState": ((str,), lambda _: state_told(self.plant.state, self.stamp, landed=not self._placed)),
+            "simGetGroundTruthEnvironment": ((str,), lambda _: {"air_density": self.density, "gravity": vector_told([0, 0, 9.80665])}),
             "simSetVehiclePose": ((dict, bool, str), lambda pose, *_: self._place(pose)),
             "simListSceneObjects": ((str,), lambda _: list(self.scene)),
-            "simGetObjectScale": ((str,), lambda name: _vector(self.scene[name][2])),
+            "simGetObjectScale": ((str,), lambda name: vector_told(self.scene[name][2])),
             "simGetObjectPose": ((str, bool) if self.racing_lab or self.cosys else (str,), self._object),
         }
         if self.racing_lab:
             every["simGetLastGatePassed"] = ((str,), lambda _: 65535)
         else:
             every["simSetKinematics"] = ((dict, bool, str), lambda kinematics, *_: self._place(kinematics))
-            every["getRotorStates"] = ((str,), lambda _: {"rotors": self._rotors(), "timestamp": self.stamp})
+            every["getRotorStates"] = ((str,), lambda _: {"rotors": rotors_told(self.plant.rotor_thrusts), "timestamp": self.stamp})
         return every
 
     def _object(self, name: str, way: bool | None = None) -> dict[str, Any]:
         """Where something of the level is; NaN where there is no such thing."""
         if way is not None and way is not self.cosys:
-            return _pose([1e3, 1e3, 1e3], [1, 0, 0, 0])  # with noise, or of the Unreal Engine
+            return pose_told([1e3, 1e3, 1e3], [1, 0, 0, 0])  # with noise, or of the Unreal Engine
         if name == self.vehicle:
-            return _pose(self.plant.state[:3] * [1, -1, -1] + self.spawn, [1, 0, 0, 0])
+            return pose_told(self.plant.state[:3] * [1, -1, -1] + self.spawn, [1, 0, 0, 0])
         nowhere = [np.nan] * 3, [np.nan] * 4
-        return _pose(*self.scene.get(name, nowhere)[:2])
+        return pose_told(*self.scene.get(name, nowhere)[:2])
 
     def _arm(self, on: bool, _: str) -> bool:
         if not self.controlled:
@@ -252,12 +256,11 @@ class Server:
         self.thrusts.append(newtons)
         if before is None:
             return
-        if self._moves in self.loses_cancel:
-            self._stuck = before
-            return
-        if select.select([connection], [], [], QUICK)[0]:
-            self.violations.append("a call before the reply to the replaced move")
-        self._end(before, False)
+        early = self._more or select.select([connection], [], [], QUICK)[0]
+        if early or self._moves in self.loses_cancel:
+            self._stuck = before  # what comes now must be to cancel it
+        else:
+            self._end(before, False)
 
     def _cancel(self) -> None:
         if self._stuck:
@@ -306,42 +309,4 @@ class Server:
     def _place(self, kinematics: dict) -> None:
         if not self.paused:
             self.violations.append("placed while the simulation runs")
-        state = self.plant.state
-        state[:3] = _list(kinematics["position"]) * [1, -1, -1]
-        state[3:7] = _list(kinematics["orientation"], "wxyz") * [1, 1, -1, -1]
-        if "linear_velocity" in kinematics:
-            state[7:10] = _list(kinematics["linear_velocity"]) * [1, -1, -1]
-            state[10:13] = _list(kinematics["angular_velocity"]) * [1, -1, -1]
-        self.plant.state, self._placed = state, True
-
-    def _told(self) -> dict[str, Any]:
-        state = self.plant.state
-        return {
-            "collision": {"has_collided": False},
-            "kinematics_estimated": {
-                **_pose(state[:3] * [1, -1, -1], state[3:7] * [1, 1, -1, -1]),
-                "linear_velocity": _vector(state[7:10] * [1, -1, -1]),
-                "angular_velocity": _vector(state[10:13] * [1, -1, -1]),
-                "linear_acceleration": _vector([0, 0, 0]),
-                "angular_acceleration": _vector([0, 0, 0]),
-            },
-            "timestamp": self.stamp,
-            "landed_state": int(self._placed),
-        }
-
-    def _rotors(self) -> list[dict[str, float]]:
-        left_front, right_front, right_back, left_back = self.plant.rotor_thrusts.tolist()
-        return [{"thrust": thrust, "torque_scaler": 0.0, "speed": 0.0} for thrust in (right_front, left_back, left_front, right_back)]
-
-
-def _vector(vector: Any) -> dict[str, float]:
-    return {f"{axis}_val": float(value) for axis, value in zip("xyz", vector, strict=True)}
-
-
-def _pose(position: Any, orientation: Any) -> dict[str, Any]:
-    turned = {f"{axis}_val": float(value) for axis, value in zip("wxyz", orientation, strict=True)}
-    return {"position": _vector(position), "orientation": turned}
-
-
-def _list(table: dict[str, float], axes: str = "xyz") -> np.ndarray:
-    return np.array([table[f"{axis}_val"] for axis in axes])
+        self.plant.state, self._placed = state_meant(kinematics, self.plant.state), True

@@ -1,7 +1,7 @@
 """A module such as a user builds for flightlib; it flies as flightlib does, in numpy.
 
 Forces act as they are at the beginning of a step, the rest of the step is integrated by Runge and Kutta's rule; rotor speeds follow
-with one time constant, the floor of the box stops a fall.
+with one time constant, whoever leaves the box at its top is put on its floor.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ class Quadrotor:
         third = rate(x + h / 2 * second)
         after = x + h / 6 * (first + 2 * second + 2 * third + rate(x + h * third))
         after[3:7] /= np.linalg.norm(after[3:7])
-        if not 0 < after[2] < BOX:
-            after[2], after[9:13] = (x[2] if after[2] <= 0 else 0.0), 0.0
+        if not -BOX < after[2] < BOX:
+            after[2], after[9:13] = -BOX, 0.0
         self._state = after
 
 

@@ -133,9 +133,10 @@ def test_a_move_that_misses_being_replaced_is_called_off(cancels_successor):
         assert server.holds == 0
 
 
-def test_a_client_that_does_not_wait_is_found_out():
+@pytest.mark.parametrize("loses_cancel", [(), (3,)])
+def test_a_client_that_does_not_wait_is_found_out(loses_cancel):
     """Of the stand-in: what the real server does not survive is noted, and then it is silent."""
-    with served(loses_cancel=(3,)) as server, connect(server, timeout=PATIENCE) as simulator:
+    with served(loses_cancel=loses_cancel) as server, connect(server, timeout=PATIENCE) as simulator:
         simulator.reset(0, LEVEL)
         for _ in range(3):
             simulator._client.send("moveByAngleRatesThrottle", 0.0, 0.0, 0.0, 0.6, 0.2, "")

@@ -16,6 +16,7 @@ from flight.scenarios import make_scenario, parameters
 from hotlap import worlds
 from hotlap.core.errors import InputError
 from hotlap.files.descriptions import load_quadrotor
+from hotlap.race.quadrotor import RotorLayout
 from hotlap.worlds.betaflight import built, console
 from hotlap.worlds.betaflight.console import configured
 from hotlap.worlds.betaflight.link import BOOT, Link
@@ -24,6 +25,7 @@ from hotlap.worlds.betaflight.simulator import Betaflight
 from hotlap.worlds.betaflight.sticks import resting
 from hotlap.worlds.identification import identify_rate_loop
 from hotlap.worlds.simulator import SimulatorError, Start
+from worlds.contract import PLAIN, SimulatorContract
 
 try:
     built.firmware()
@@ -52,6 +54,22 @@ set rates_type = BETAFLIGHT
 batch end
 save
 """
+
+
+class TestX(SimulatorContract):
+    """It repeats bit for bit."""
+
+    same = 0.0
+
+    def make(self, quadrotor):
+        return Betaflight(quadrotor)
+
+    def lose(self, simulator):
+        os.kill(simulator._flying.answer.process, signal.SIGKILL)
+
+
+class TestPlus(TestX):
+    quadrotor = PLAIN.model_copy(update={"layout": RotorLayout.PLUS})
 
 
 @pytest.fixture

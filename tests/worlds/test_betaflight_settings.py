@@ -4,12 +4,16 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from hotlap.core.errors import InputError
+from hotlap.core.errors import HotlapError, InputError
 from hotlap.files.descriptions import load_quadrotor
+from hotlap.flight.motors import MotorPlant
 from hotlap.race.quadrotor import RotorLayout
-from hotlap.worlds.betaflight import built
-from hotlap.worlds.betaflight.gains import I_UNIT, P_UNIT, gain_lines, yaw_gain
+from hotlap.race.race import PLANT_STEP
+from hotlap.race.rate_loop import Output
+from hotlap.worlds.betaflight import built, simulator
+from hotlap.worlds.betaflight.gains import I_UNIT, P_UNIT, gain_lines, rate_loop_of, yaw_gain
 from hotlap.worlds.betaflight.settings import (
     DEFAULTS,
     IDLE,
@@ -21,7 +25,8 @@ from hotlap.worlds.betaflight.settings import (
     read_lines,
 )
 from hotlap.worlds.betaflight.sticks import CUT, Sticks, resting
-from hotlap.worlds.simulator import SimulatorError
+from hotlap.worlds.plant_simulator import PlantSimulator
+from hotlap.worlds.simulator import SimulatorError, Start
 
 DIFF = """# diff all
 
@@ -92,7 +97,7 @@ def test_a_line_that_resets_everything_resets_our_defaults_too(tmp_path):
 
 
 def test_the_last_idle_counts(tmp_path):
-    assert motor_idle(()) is None
+    assert motor_idle(()) == IDLE
     assert motor_idle(read_lines(written(tmp_path, "set motor_idle = 700\nset motor_idle = 400\n"))) == pytest.approx(0.04)
 
 
@@ -135,6 +140,47 @@ def test_yaw_gets_the_gain_of_the_file_and_does_not_swing(name):
     gain, integral = yaw_gain(vehicle) * P_UNIT * p, yaw_gain(vehicle) * I_UNIT * i
     assert gain == pytest.approx(vehicle.rate_gain[2], rel=0.15)
     assert integral <= 1.6 * gain**2 / 4  # whole numbers are coarse where they are small
+
+
+def test_a_rate_loop_of_the_file_gives_the_gains():
+    vehicle = load_quadrotor("five-inch")
+    loop = rate_loop_of(vehicle)
+    lines = gain_lines(vehicle.model_copy(update={"rate_loop": loop}))
+    assert {"set p_roll = 45", "set i_pitch = 84", "set d_max_roll = 35", "set d_yaw = 0", "set motor_idle = 550"} <= set(lines)
+    assert set(gain_lines(vehicle)) < set(lines)
+    assert gain_lines(vehicle.model_copy(update={"rate_loop": loop.model_copy(update={"output": Output.THRUST})})) == gain_lines(vehicle)
+
+
+def test_other_rotors_than_four_are_refused_before_anything_is_started(monkeypatch):
+    monkeypatch.setattr(simulator, "configured", lambda *_: pytest.fail("started"))
+    hexagon = [(0.11 * math.cos(a), 0.11 * math.sin(a), (-1.0) ** k) for k, a in enumerate(np.arange(6) * math.pi / 3)]
+    vehicle = load_quadrotor("five-inch").model_copy(update={"rotors": tuple(hexagon)})
+    with pytest.raises(SimulatorError, match="four rotors in layout x or plus"):
+        simulator.Betaflight(vehicle)
+    with pytest.raises(HotlapError, match="has 6 rotors"):
+        MotorPlant(vehicle, 0.001)
+
+
+def test_motors_drive_the_plant_of_the_built_in_world():
+    """Under the outputs that its rate loop asks for, the state is the same."""
+    vehicle = load_quadrotor("hummingbird")
+    plant, simulated = MotorPlant(vehicle, PLANT_STEP), PlantSimulator(vehicle)
+    state = np.array([0.0, 0.0, 9.0, 1.0, *np.zeros(6), 0.4, -0.3, 0.2])
+    plant.place(state, 1.1)
+    simulated.reset(0, Start(state, 1.1))
+    command = np.array([12.0, 1.0, -2.0, 0.5])
+    mixer = np.linalg.inv(np.vstack([np.ones(4), vehicle.torque_matrix]))
+    for _ in range(80):
+        rates, inertia = plant.state[10:13], vehicle.inertia_vector
+        torque = inertia * vehicle.rate_gain * (command[1:] - rates) + np.cross(rates, inertia * rates)
+        asked = mixer @ np.array([vehicle.mass * command[0], *torque])
+        before = plant.state.copy()
+        plant.advance(np.sqrt(np.clip(asked / vehicle.rotor_thrust[1], 0, 1)), 1)
+        simulated.advance(command[None], PLANT_STEP)
+    np.testing.assert_allclose(plant.state[:13], simulated.states()[0], atol=1e-9)
+    attitude = before[3:7]
+    turned = Rotation.from_quat(attitude, scalar_first=True).inv().apply((plant.state[7:10] - before[7:10]) / PLANT_STEP + [0, 0, 9.81])
+    np.testing.assert_allclose(plant.force, turned, atol=0.1)
 
 
 def test_without_the_package_one_line_says_how_to_install_it(monkeypatch):

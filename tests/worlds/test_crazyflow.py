@@ -4,42 +4,65 @@ from __future__ import annotations
 
 import sys
 import tomllib
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from flight.scenarios import make_scenario, parameters
+from hotlap import worlds
 from hotlap.core.errors import UnknownNameError
 from hotlap.core.records import End
 from hotlap.files.descriptions import load_quadrotor
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.worlds import crazyflow, rotorpy
 from hotlap.worlds.crazyflow import Crazyflow
+from hotlap.worlds.separate import Separate
 from hotlap.worlds.simulator import SimulatorError, Start
-from hotlap.worlds.stepped import Stepped
+from worlds.contract import SimulatorContract
 
-needed = (pytest.mark.check, pytest.mark.skipif(not crazyflow.installed(), reason="crazyflow is not installed"))
-its_own = (pytest.mark.filterwarnings("ignore::DeprecationWarning"), pytest.mark.filterwarnings("ignore::UserWarning"))
+needed = pytest.mark.skipif(not crazyflow.installed(), reason="crazyflow is not installed")
 LANES = 3
 HIGH = np.array([0.0, 0, 100, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0])
 OWN = "cf21B_500"
 
 
-@pytest.fixture(autouse=True)
-def _somewhere_else(tmp_path, monkeypatch):
-    """MuJoCo would write a log where it runs."""
-    monkeypatch.chdir(tmp_path)
+class Fleet:
+    """Crazyflows, one after the other, in one process: compiled once."""
+
+    def __init__(self) -> None:
+        self.lanes, self.step, self.scales_thrust = LANES, crazyflow.STEP, False
+
+    def become(self, vehicle: Quadrotor, drone: str) -> None:
+        self._now = Crazyflow(vehicle, drone=drone, lanes=LANES)
+        self.reset, self.advance, self.close = self._now.reset, self._now.advance, self._now.close
+        self.states, self.rotor_thrusts = self._now.states, self._now.rotor_thrusts
 
 
-def place(vehicle: Quadrotor, state: np.ndarray = HIGH, drone: str = "") -> Crazyflow:
-    simulator = Crazyflow(vehicle, drone=drone, lanes=LANES)
-    for lane in range(LANES):
-        simulator.reset(lane, Start(state))
-    return simulator
+@pytest.fixture(scope="module")
+def fleet(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fleet")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)  # MuJoCo writes a log where it runs
+        flying = Separate(Fleet, environment=crazyflow.ENVIRONMENT)
+    flying.folder = folder
+    yield flying
+    flying.close()
 
 
-def advance(simulator: Crazyflow, command: tuple[float, ...], duration: float) -> np.ndarray:
+@pytest.fixture
+def place(fleet):
+    def made(vehicle: Quadrotor, state: np.ndarray = HIGH, drone: str = "") -> Separate:
+        fleet._ask("become", vehicle, drone)
+        for lane in range(LANES):
+            fleet.reset(lane, Start(state))
+        return fleet
+
+    return made
+
+
+def advance(simulator: Separate, command: tuple[float, ...], duration: float) -> np.ndarray:
     simulator.advance(np.tile(command, (LANES, 1)), duration)
     return simulator.states()[0]
 
@@ -50,25 +73,37 @@ def moving(*velocity: float) -> np.ndarray:
     return state
 
 
-class TestCrazyflow:
-    pytestmark = (*needed, *its_own)
+@pytest.mark.check
+@needed
+class TestCrazyflow(SimulatorContract):
+    place = 1e-5  # m: it computes in single precision
 
+    def make(self, quadrotor):
+        return Separate(Crazyflow, quadrotor, None, "", LANES, environment=crazyflow.ENVIRONMENT)
+
+    def lose(self, simulator):
+        simulator._process.kill()
+
+
+@pytest.mark.check
+@needed
+class TestVehicles:
     @pytest.mark.parametrize("vehicle", ["airsim", "hummingbird", "cf21b-500"])
-    def test_any_vehicle_hovers_where_it_is(self, vehicle):
+    def test_any_vehicle_hovers_where_it_is(self, place, vehicle):
         quadrotor = load_quadrotor(vehicle)
         simulator = place(quadrotor)
         state = advance(simulator, (quadrotor.gravity, 0, 0, 0), 0.5)
         np.testing.assert_allclose(state, HIGH, atol=1e-4)
         np.testing.assert_allclose(simulator.rotor_thrusts(), quadrotor.mass * quadrotor.gravity / 4, rtol=1e-4)
 
-    def test_its_own_drone_hovers_where_it_is(self):
+    def test_its_own_drone_hovers_where_it_is(self, place):
         simulator = place(load_quadrotor("cf21b-500"), drone=OWN)
         state = advance(simulator, (9.81, 0, 0, 0), 0.5)
         np.testing.assert_allclose(state[:7], HIGH[:7], atol=1e-2)
         np.testing.assert_allclose(simulator.rotor_thrusts(), 0.0434 * 9.81 / 4, rtol=1e-2)
 
     @pytest.mark.parametrize("vehicle", ["airsim-122m", "cf21b-500"])
-    def test_hard_turns_are_those_of_rotorpy(self, vehicle):
+    def test_hard_turns_are_those_of_rotorpy(self, place, vehicle):
         """Two simulators that share no line, and a vehicle without what they have in different forms."""
         if not rotorpy.installed():
             pytest.skip("rotorpy is not installed")
@@ -91,12 +126,12 @@ class TestCrazyflow:
             ({"rotor_drag": 0.0276}, tuple(-0.0276 * 4 * np.sqrt(0.716 * 9.81 / 4) * v / 0.716 for v in (8, 6))),
         ],
     )
-    def test_each_drag_slows_as_it_should(self, drag, expected):
+    def test_each_drag_slows_as_it_should(self, place, drag, expected):
         quadrotor = load_quadrotor("hummingbird").model_copy(update={"rotor_drag": 0.0, **drag})
         state = advance(place(quadrotor, moving(8, 6, 0)), (9.81, 0, 0, 0), 0.01)
         np.testing.assert_allclose((state[7:9] - [8, 6]) / 0.01, expected, rtol=2e-2)
 
-    def test_rotors_take_longer_down_than_up(self):
+    def test_rotors_take_longer_down_than_up(self, place):
         quadrotor = load_quadrotor("hummingbird").model_copy(update={"motor_time": (0.01, 0.04)})
         hover, most = quadrotor.mass * 9.81 / 4, quadrotor.rotor_thrust[1]
         simulator = place(quadrotor)
@@ -105,7 +140,7 @@ class TestCrazyflow:
 
     @pytest.mark.parametrize("drone", ["", OWN])
     @pytest.mark.parametrize("axis", [1, 2, 3])
-    def test_it_turns_as_it_is_told_and_the_rotors_say_so(self, drone, axis):
+    def test_it_turns_as_it_is_told_and_the_rotors_say_so(self, place, drone, axis):
         quadrotor = load_quadrotor("cf21b-500")
         simulator, command = place(quadrotor, drone=drone), [9.81, 0.0, 0.0, 0.0]
         command[axis] = 1.0
@@ -115,7 +150,7 @@ class TestCrazyflow:
         assert np.argmax(np.abs(torque / quadrotor.inertia_vector)) == axis - 1
         assert torque[axis - 1] > 0
 
-    def test_a_lane_that_is_placed_leaves_the_others_where_they_are(self):
+    def test_a_lane_that_is_placed_leaves_the_others_where_they_are(self, place):
         simulator = place(load_quadrotor("hummingbird"))
         advance(simulator, (12.0, 1.0, 0, 0), 0.1)
         before = simulator.states()
@@ -124,15 +159,15 @@ class TestCrazyflow:
         np.testing.assert_array_equal(after[[0, 2]], before[[0, 2]])
         np.testing.assert_allclose(after[1], moving(1, 2, 3))
 
-    def test_nothing_is_written_where_it_runs(self, tmp_path):
-        place(load_quadrotor("hummingbird"))
-        assert not list(tmp_path.iterdir())
+    def test_nothing_is_written_where_it_runs(self, place):
+        assert not list(place(load_quadrotor("hummingbird")).folder.iterdir())
 
     @pytest.mark.parametrize("argument", ["", OWN])
     def test_a_race_flown_there_is_finished_in_every_lane(self, argument):
         scenario = make_scenario() if not argument else make_scenario(vehicle=described(), model=described())
-        opened = Stepped("crazyflow", lambda *told: crazyflow.open_simulator(*told, argument))
-        flights = opened.fly(scenario, parameters(20), np.arange(20))
+        world = worlds.build(f"crazyflow:{argument}" if argument else "crazyflow")
+        flights = world.fly(scenario, parameters(20), np.arange(20))
+        world.close()
         assert (flights.end == End.FINISHED).all()
         np.testing.assert_allclose(flights.clock_distance, flights.clock_distance[:1].repeat(20, axis=0), atol=1e-3)
 
@@ -141,9 +176,8 @@ class TestCrazyflow:
             crazyflow.open_simulator(make_scenario(), 0, "cf21b")
 
     def test_our_description_of_its_drone_is_its_own(self):
-        import crazyflow as package  # noqa: PLC0415
-
-        file = Path(package.__file__).parent / "dynamics" / "first_principles" / "params.toml"
+        spec = find_spec("crazyflow")
+        file = Path(spec.origin).parent / "dynamics" / "first_principles" / "params.toml"
         theirs, ours = tomllib.loads(file.read_text(encoding="utf-8"))[OWN], load_quadrotor("cf21b-500")
         assert ours.mass == pytest.approx(theirs["mass"], rel=1e-3)
         assert ours.inertia == pytest.approx(np.diag(theirs["J"]))

@@ -16,6 +16,7 @@ from hotlap.worlds.flightmare import CALLS, STEP, Flightmare, open_simulator
 from hotlap.worlds.simulator import SimulatorError, Start
 from hotlap.worlds.stepped import Stepped
 from worlds import flightlib
+from worlds.contract import SimulatorContract
 
 VEHICLE = load_quadrotor("flightmare")
 # uzh-rpg/flightmare, flightlib at d4218ae with configs/quadrotor_env.yaml, Runge-Kutta steps of 2.5 ms in float32: the rates at these
@@ -43,7 +44,7 @@ def module(monkeypatch):
 
 
 def opened(module, vehicle=VEHICLE):
-    return open_simulator(make_scenario(vehicle.model_dump()), 0, module.__name__)
+    return open_simulator(make_scenario(vehicle.model_dump(), model=vehicle.model_dump()), 0, module.__name__)
 
 
 def at(height: float) -> Start:
@@ -172,3 +173,13 @@ def test_a_race_is_flown_as_in_the_built_in_world(module):
     np.testing.assert_array_equal(away.end, home.end)
     np.testing.assert_allclose(away.mean_error, home.mean_error, atol=5e-3)
     np.testing.assert_allclose(away.closest_distance, home.closest_distance, atol=0.02)
+
+
+class TestContract(SimulatorContract):
+    """Its rotors are spun up for half a second, and it flies the vehicle of flightlib alone."""
+
+    quadrotor = VEHICLE
+    scenario = make_scenario(VEHICLE.model_dump(), model=VEHICLE.model_dump(), noise={"thrust": 0.02, "rates": 0.1, "position": 0.05})
+
+    def make(self, quadrotor):
+        return Flightmare("flightlib", flightlib.Quadrotor(), quadrotor)

@@ -13,8 +13,10 @@ from hotlap.files.descriptions import load_quadrotor
 from hotlap.planning.preparation import prepare
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.worlds import rotorpy
+from hotlap.worlds.separate import Separate
 from hotlap.worlds.simulator import SimulatorError, Start
 from hotlap.worlds.stepped import Stepped
+from worlds.contract import SimulatorContract
 
 needed = pytest.mark.skipif(not rotorpy.installed(), reason="rotorpy is not installed")
 HUMMINGBIRD = load_quadrotor("hummingbird")
@@ -54,6 +56,22 @@ def moving(*velocity: float) -> np.ndarray:
     state = HIGH.copy()
     state[7:10] = velocity
     return state
+
+
+@needed
+class TestRotorPy(SimulatorContract):
+    def make(self, quadrotor):
+        return rotorpy.RotorPy(quadrotor)
+
+
+@needed
+@pytest.mark.check
+class TestRotorPyElsewhere(SimulatorContract):
+    def make(self, quadrotor):
+        return Separate(rotorpy.RotorPy, quadrotor)
+
+    def lose(self, simulator):
+        simulator._process.kill()
 
 
 @needed

@@ -30,6 +30,7 @@ Floats = NDArray[np.float64]
 
 TUNED, DEFAULT = "tuned", "default"
 DIGITS = 4  # of metres, in what is kept
+FINE = 0.095  # m, below which three digits are shown
 ATTEMPTS = 3  # at a flight that is lost
 
 
@@ -286,9 +287,14 @@ class Journey:
         )
 
 
+def metres(error: float) -> str:
+    """An error for people: 0.69, 0.025; "-" where there is none."""
+    return "-" if math.isnan(error) else f"{error:.2f}" if error >= FINE else f"{error:.3f}"
+
+
 def _describe(flight: TransferFlight, left: str) -> str:
     """A flight in few words, and the time that all others will take."""
-    told = f"{flight.world}: {flight.label}, {flight.ending}, {flight.mean_error:.2f} m"
+    told = f"{flight.world}: {flight.label}, {flight.ending}, {metres(flight.mean_error)} m"
     return f"{told}; {left}" if left else told
 
 

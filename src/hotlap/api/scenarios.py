@@ -91,6 +91,9 @@ def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:
             prepare_world(scenario)
     else:
         prepare_world(scenario)
+    if isinstance(world, Stepped):
+        with progress.working(world.opening):
+            world.capacity(scenario)
 
 
 def make_kind_ready(world: World, kind: ControllerKind, progress: Progress) -> None:

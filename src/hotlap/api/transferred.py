@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hotlap import worlds
-from hotlap.analysis.transfer import DEFAULT, TUNED, Journey, TransferFlight, TransferRow, rows_of
+from hotlap.analysis.transfer import DEFAULT, TUNED, Journey, TransferFlight, TransferRow, metres, rows_of
 from hotlap.api.asked import Asked
 from hotlap.api.inputs import check_range
 from hotlap.api.outcome import Outcome
@@ -62,11 +62,7 @@ class TransferResult(Outcome):
     def facts(self) -> dict[str, str]:
         """How many of the flights with tuned parameters passed every gate in each world, and their error."""
         home, *others = self.worlds
-        tuned = {
-            row.world: f"{row.world} {row.complete.successes} of {count(row.complete.flights, 'flight')} complete, {row.mean_error:.2f} m"
-            for row in self.by_world
-            if row.label == TUNED
-        }
+        tuned = {row.world: _in_short(row) for row in self.by_world if row.label == TUNED}
         return {"race": f"{self.scenario.race.name}: tuned in {home}, flown in {', '.join(others)}", **tuned, "page": str(self.page or "")}
 
     def rows(self) -> list[dict[str, Any]]:
@@ -91,6 +87,11 @@ class TransferResult(Outcome):
         from hotlap.report.transfer_charts import error_boxes  # noqa: PLC0415  matplotlib, only where there is something to draw
 
         return error_boxes(self.scenario.race.name, self.by_world)
+
+
+def _in_short(row: TransferRow) -> str:
+    """How flights went in a world."""
+    return f"{row.world} {row.complete.successes} of {count(row.complete.flights, 'flight')} complete, {metres(row.mean_error)} m"
 
 
 def carry_out(asked: Asked) -> TransferResult:

@@ -275,7 +275,9 @@ def _open_early(job: _Job) -> None:
     """Open a simulator before anything takes its time, so that one that cannot be opened is known at once."""
     assert isinstance(job.world, Stepped)  # noqa: S101  our own mistake
     quiet = Asked(tune, {**vars(job.asked), "progress": None})
-    job.world.capacity(make_scenario(job.race, quiet))
+    scenario = make_scenario(job.race, quiet)
+    with job.asked.progress.working(job.world.opening):
+        job.world.capacity(scenario)
 
 
 def _asked_at_home(asked: Asked, folder: Path) -> Asked:

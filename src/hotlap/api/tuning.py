@@ -50,6 +50,7 @@ def tune(
     first_guess: str | None = None,
     controller: str | None = None,
     on: str = "built-in",
+    instances: int = 1,
     randomise: float = 0.0,
     samples: int = 0,
     confirm: int = 10,
@@ -76,6 +77,7 @@ def tune(
     first_guess: str | None = None,
     controller: str | None = None,
     on: str = "built-in",
+    instances: int = 1,
     randomise: float = 0.0,
     samples: int = 0,
     confirm: int = 10,
@@ -102,6 +104,7 @@ def tune(
             simulator what is tuned in the built-in world first.
         controller: which one flies; None: the race's.
         on: where to fly.
+        instances: simulators that fly side by side, where that is a simulator.
         randomise: fly vehicles whose parameters differ from the race's by up to this share.
         samples: flights of each candidate, all to succeed; 0: 1, randomised 4, with minutes 8.
         confirm: re-flights that a candidate must pass (the paper's: 4).

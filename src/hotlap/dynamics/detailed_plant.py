@@ -81,7 +81,8 @@ def _asked_in_signals(
     error = command[1:] - rates
     integral = _between(-autopilot["integral_limit"], memory["integral"] + autopilot["i"] * error * step, autopilot["integral_limit"])
     slope = memory["slope"] + autopilot["d_share"] * ((rates - memory["measured"]) / step - memory["slope"])
-    turn = _between(-autopilot["limit"], autopilot["p"] * error + integral - autopilot["d"] * slope, autopilot["limit"])
+    answer = vehicle["rate_gain"] * (autopilot["p"] * error + integral - autopilot["d"] * slope)
+    turn = _between(-autopilot["limit"], answer, autopilot["limit"])
     share, idle = _between(0, autopilot["mass"] * command[0] / (rotors * autopilot["largest"]), 1), autopilot["idle"]
     output = share + autopilot["on_speed"] * (ca.sqrt(share) - share)
     throttle = ca.fmax((output - idle) / (1 - idle), 0)
@@ -127,17 +128,36 @@ def detailed_plant_step(rotors: int, mixer: Mixer, *, pid: bool) -> ca.Function:
         asked, memory = _asked_in_signals(mixer, measured, split(memory, LOOP_STATE), command, actual, assumed, step)
     else:
         asked = _asked_in_torques(mixer, measured, before, command, actual, assumed)
-    speeds = _moved(before, asked, actual)
-    spin_up = (speeds - before) / step
-    middle = body + step / 2 * _body(body, speeds, spin_up, actual, chance)
-    after = body + step * _body(middle, speeds, spin_up, actual, chance)
-    attitude = after[3:7] / ca.norm_2(after[3:7])
+    after, speeds = _after(body, before, asked, actual, chance, step)
     return ca.Function(
-        "detailed_plant_step",
-        [state, command, measured, *numbers, step],
-        [ca.vertcat(after[:3], attitude, after[7:], speeds, memory)],
-        {"cse": True},
+        "detailed_plant_step", [state, command, measured, *numbers, step], [ca.vertcat(after, speeds, memory)], {"cse": True}
     )
+
+
+def detailed_rotor_step(rotors: int) -> ca.Function:
+    """One step without the rate loop: (p q v w s, thrusts that the rotors are asked for, vehicle, disturbance, step) -> state after it.
+
+    State, rotors and body are those of `detailed_plant_step`.
+
+    Args:
+        rotors: how many.
+    """
+    state, asked, step = ca.SX.sym("x", 13 + rotors), ca.SX.sym("f", rotors), ca.SX.sym("h")
+    layouts = detailed_vehicle(rotors), DISTURBANCE
+    vehicle, disturbance = (ca.SX.sym(name, sum(layout.values())) for name, layout in zip("vd", layouts, strict=True))
+    after = _after(state[:13], state[13:], asked, split(vehicle, layouts[0]), split(disturbance, DISTURBANCE), step)
+    return ca.Function("detailed_rotor_step", [state, asked, vehicle, disturbance, step], [ca.vertcat(*after)], {"cse": True})
+
+
+def _after(
+    body: Expression, before: Expression, asked: Expression, vehicle: dict, disturbance: dict, step: Expression
+) -> tuple[Expression, Expression]:
+    """(p q v w) and the square roots of the rotor thrusts after a step in which the rotors follow the thrusts that are asked for."""
+    speeds = _moved(before, asked, vehicle)
+    spin_up = (speeds - before) / step
+    middle = body + step / 2 * _body(body, speeds, spin_up, vehicle, disturbance)
+    after = body + step * _body(middle, speeds, spin_up, vehicle, disturbance)
+    return ca.vertcat(after[:3], after[3:7] / ca.norm_2(after[3:7]), after[7:]), speeds
 
 
 def _moved(before: Expression, asked: Expression, vehicle: dict) -> Expression:

@@ -291,18 +291,6 @@ def _body(state: Expression, speeds: Expression, vehicle: dict, disturbance: dic
     return ca.vertcat(velocity, quaternion_rate(attitude, rates), acceleration, turn)
 
 
-def _advance(state: Expression, wanted: Expression, vehicle: dict, disturbance: dict, step: Expression) -> Expression:
-    """The state p q v w s after a step in which the rotors follow `wanted`, square roots of their thrusts [N^0.5]."""
-    body, speeds = state[:13], state[13:]
-    gap = wanted - speeds
-    up, down = vehicle["motor_shares"][0], vehicle["motor_shares"][1]
-    speeds = speeds + up * ca.fmax(gap, 0) + down * ca.fmin(gap, 0)
-    middle = body + step / 2 * _body(body, speeds, vehicle, disturbance)
-    after = body + step * _body(middle, speeds, vehicle, disturbance)
-    attitude = after[3:7] / ca.norm_2(after[3:7])
-    return ca.vertcat(after[:3], attitude, after[7:], speeds)
-
-
 def plant_step() -> ca.Function:
     """One step of the vehicle: (p q v w s, command, vehicle, autopilot, disturbance, step) -> state after it.
 
@@ -313,17 +301,12 @@ def plant_step() -> ca.Function:
     vehicle, autopilot = ca.SX.sym("v", sum(VEHICLE.values())), ca.SX.sym("a", sum(AUTOPILOT.values()))
     disturbance = ca.SX.sym("d", sum(DISTURBANCE.values()))
     actual, assumed, chance = split(vehicle, VEHICLE), split(autopilot, AUTOPILOT), split(disturbance, DISTURBANCE)
-    wanted = ca.sqrt(_rotor_command(state[10:13], state[13:], command, actual, assumed))
-    after = _advance(state, wanted, actual, chance, step)
-    return ca.Function("plant_step", [state, command, vehicle, autopilot, disturbance, step], [after], {"cse": True})
-
-
-def rotor_step() -> ca.Function:
-    """One step of the vehicle without its rate loop: (p q v w s, s that is asked for, vehicle, disturbance, step) -> state after it.
-
-    State, rotors and body are those of `plant_step`.
-    """
-    state, wanted, step = ca.SX.sym("x", 17), ca.SX.sym("u", 4), ca.SX.sym("h")
-    vehicle, disturbance = ca.SX.sym("v", sum(VEHICLE.values())), ca.SX.sym("d", sum(DISTURBANCE.values()))
-    after = _advance(state, wanted, split(vehicle, VEHICLE), split(disturbance, DISTURBANCE), step)
-    return ca.Function("rotor_step", [state, wanted, vehicle, disturbance, step], [after], {"cse": True})
+    body, speeds = state[:13], state[13:]
+    gap = ca.sqrt(_rotor_command(body[10:], speeds, command, actual, assumed)) - speeds
+    up, down = actual["motor_shares"][0], actual["motor_shares"][1]
+    speeds = speeds + up * ca.fmax(gap, 0) + down * ca.fmin(gap, 0)
+    middle = body + step / 2 * _body(body, speeds, actual, chance)
+    after = body + step * _body(middle, speeds, actual, chance)
+    attitude = after[3:7] / ca.norm_2(after[3:7])
+    inputs = [state, command, vehicle, autopilot, disturbance, step]
+    return ca.Function("plant_step", inputs, [ca.vertcat(after[:3], attitude, after[7:], speeds)], {"cse": True})

@@ -49,8 +49,9 @@ def airframe_layout(rotors: int) -> Mapping[str, int]:
 def detailed_vehicle(rotors: int) -> Mapping[str, int]:
     """Parameters of a detailed plant: those of `VEHICLE` for so many rotors, and what follows.
 
-    thrust_lag is 1 where the thrust of the rotors follows its command, 0 where their speed does; inflow as in `Quadrotor`; rotor momentum
-    is that of each rotor over the square root of its thrust [N m s / N^0.5], with the sign of its yaw torque.
+    With a PID rate loop, rate_gain is a factor of its signals [-]. thrust_lag is 1 where the thrust of the rotors follows its command,
+    0 where their speed does; inflow as in `Quadrotor`; rotor momentum is that of each rotor over the square root of its thrust
+    [N m s / N^0.5], with the sign of its yaw torque.
     """
     sizes = {name: 3 * rotors if name == "torques" else size for name, size in VEHICLE.items()}
     return {**sizes, "thrust_lag": 1, "inflow": 1, "rotor_momentum": rotors}

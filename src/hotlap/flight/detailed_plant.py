@@ -56,6 +56,8 @@ def detailed_vehicle_numbers(vehicle_parameters: Floats, quadrotor: Quadrotor, s
     places, spins = quadrotor.rotor_positions / quadrotor.arm, quadrotor.rotor_spins
     by_arm, by_ratio = torques_of(places, spins, 0.0).ravel(), torques_of(0 * places, spins, 1.0).ravel()
     parts["torques"] = parts["arm"] * by_arm + parts["torque_ratio"] * by_ratio
+    if quadrotor.rate_loop is not None:
+        parts["rate_gain"] = parts["rate_gain"] / np.array(quadrotor.rate_gain)
     parts["motor_shares"] = motor_shares(parts["motor_time"], step)
     rows = len(vehicle_parameters)
     parts["thrust_lag"] = np.full((rows, 1), float(quadrotor.motor_lag is MotorLag.THRUST))

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
+from importlib import import_module
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from hotlap.dynamics.parameter_layout import DISTURBANCE, VEHICLE, place_of
-from hotlap.flight.compile import compiled_dynamics
+from hotlap.core.errors import HotlapError
+from hotlap.flight.compile import compiled, translate
+from hotlap.flight.detailed_plant import detailed_vehicle_numbers
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.numbers import COMPILE
-from hotlap.flight.plant import THRUST_FACTOR, vehicle_numbers
+from hotlap.flight.plant import DISTURBANCE_SIZE, THRUST_FACTOR
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.vehicle_parameters import vehicle_parameters_of
 
 Floats = NDArray[np.float64]
 
-step_rotors = compiled_dynamics("rotor_step")
-SHARES, MOST = place_of("motor_shares", VEHICLE), place_of("rotor_thrust", VEHICLE) + 1
+ROTORS = 4
+step_rotors = compiled(lambda: translate(import_module("hotlap.dynamics.detailed_plant").detailed_rotor_step(ROTORS)))
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
@@ -27,8 +29,11 @@ class MotorPlant:
     """A quadrotor whose motors are driven directly; a rotor's thrust is its largest times the square of its output.
 
     Args:
-        quadrotor: that flies; its rate loop and its dead time do not count.
+        quadrotor: that flies, on four rotors; its rate loop and its dead time do not count.
         step: [s] of the integration.
+
+    Raises:
+        HotlapError: it has another number of rotors.
 
     Attributes:
         state: shape (17,): position [m], attitude (w, x, y, z), velocity [m/s] (world), body rates [rad/s], square roots of the rotor
@@ -37,10 +42,10 @@ class MotorPlant:
     """
 
     def __init__(self, quadrotor: Quadrotor, step: float) -> None:
-        self._vehicle = vehicle_numbers(vehicle_parameters_of(quadrotor)[None], quadrotor.layout)[0]
-        with np.errstate(divide="ignore"):
-            self._vehicle[SHARES : SHARES + 2] = 1 - np.exp(-step / np.array(quadrotor.motor_time))
-        self._disturbance, self._step = np.zeros(sum(DISTURBANCE.values())), np.array([step])
+        if quadrotor.rotor_count != ROTORS:
+            raise HotlapError(f"{quadrotor.name} has {quadrotor.rotor_count} rotors, not {ROTORS}")
+        self._vehicle = detailed_vehicle_numbers(vehicle_parameters_of(quadrotor)[None], quadrotor, step)[0]
+        self._most, self._disturbance, self._step = quadrotor.rotor_thrust[1], np.zeros(DISTURBANCE_SIZE), np.array([step])
         self._gravity, self._hover = quadrotor.gravity, math.sqrt(quadrotor.mass * quadrotor.gravity / 4)
         self._moved = np.zeros(17)
         self.state, self.force = np.zeros(17), np.zeros(3)
@@ -59,13 +64,16 @@ class MotorPlant:
 
     def advance(self, outputs: Floats, steps: int) -> None:
         """Fly so many steps with motor outputs, shape (4,) [-], 0 to 1, in the order of the layout."""
-        _advance(self.state, self._moved, outputs, self._vehicle, self._disturbance, self._step, steps, self._gravity, self.force)
+        _advance(
+            self.state, self._moved, outputs, self._most, self._vehicle, self._disturbance, self._step, steps, self._gravity, self.force
+        )
 
 
 def _advance_by(
     state: Floats,
     moved: Floats,
     outputs: Floats,
+    most: float,
     vehicle: Floats,
     disturbance: Floats,
     step: Floats,
@@ -74,13 +82,13 @@ def _advance_by(
     force: Floats,
 ) -> None:
     """Fly so many steps; see `MotorPlant`."""
-    wanted, before = np.empty(4), np.empty(3)
-    for a in range(4):
-        wanted[a] = math.sqrt(vehicle[MOST]) * min(max(outputs[a], 0.0), 1.0)
+    asked, before = np.empty(ROTORS), np.empty(3)
+    for a in range(ROTORS):
+        asked[a] = most * min(max(outputs[a], 0.0), 1.0) ** 2
     for i in range(3):
         before[i] = state[7 + i]
     for _ in range(steps):
-        step_rotors(state, wanted, vehicle, disturbance, step, moved)
+        step_rotors(state, asked, vehicle, disturbance, step, moved)
         for i in range(17):
             state[i] = moved[i]
     w, x, y, z = state[3], state[4], state[5], state[6]

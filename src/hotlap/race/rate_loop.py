@@ -55,7 +55,7 @@ class RateLoop(Described):
     p: tuple[Positive, Positive, Positive]
     """[s/rad] (body) proportional gains: signal over rate error (SimpleFlight: 0.25; Betaflight: 0.001835 times its P)."""
     i: tuple[NotNegative, NotNegative, NotNegative] = THREE_ZEROS
-    """[1/rad] (body) integral gains (Betaflight: 0.01400 times its I)."""
+    """[1/rad] (body) integral gains (Betaflight: 0.01400 times its I for yaw, a tenth of that for roll and pitch: iterm_relax)."""
     d: tuple[NotNegative, NotNegative, NotNegative] = THREE_ZEROS
     """[s^2/rad] (body) derivative gains, of the measured rates (Betaflight: 0.0000303 times its D)."""
     d_cutoff: NotNegative = 0.0

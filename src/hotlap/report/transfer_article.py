@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hotlap.analysis.transfer import DEFAULT, TUNED, TransferFlight, TransferRow
+from hotlap.analysis.transfer import DEFAULT, TUNED, TransferFlight, TransferRow, metres
 from hotlap.core.counts import count
 from hotlap.report.article import Article
 from hotlap.system.journal import Journal
@@ -84,20 +84,25 @@ def errors_of(row: TransferRow, quantity: Callable[[TransferFlight], float]) -> 
     """An error of each flight; of many their mean and range."""
     values = [quantity(flight) for flight in row.flights]
     if len(values) <= FEW:
-        return " / ".join(f"{value:.2f}" if math.isfinite(value) else "-" for value in values)
+        return " / ".join(map(metres, values))
     finite = [value for value in values if math.isfinite(value)]
-    return f"{np.mean(finite):.2f} ({min(finite):.2f} to {max(finite):.2f})" if finite else "-"
+    return f"{metres(float(np.mean(finite)))} ({metres(min(finite))} to {metres(max(finite))})" if finite else "-"
 
 
 def changes(rows: Sequence[TransferRow]) -> Iterator[str]:
-    """For each world a sentence: what tuning changed there."""
+    """For each world a sentence: what tuning changed there. Errors are compared where all flights are whole."""
     found = {(row.world, row.label): row for row in rows}
     for world in dict.fromkeys(row.world for row in rows):
         tuned, default = found.get((world, TUNED)), found.get((world, DEFAULT))
         if tuned is None or default is None:
             continue
-        shares = [_change(getattr(tuned, name), getattr(default, name)) for name in ("mean_error", "max_error")]
-        yield f"{world}: tuned against default, mean error {shares[0]}, largest error {shares[1]} (means of the flights)"
+        if tuned.complete.rate == default.complete.rate == 1:
+            shares = [_change(getattr(tuned, name), getattr(default, name)) for name in ("mean_error", "max_error")]
+            yield f"{world}: tuned against default, mean error {shares[0]}, largest error {shares[1]} (means of the flights)"
+        else:
+            mine, others = tuned.complete, default.complete
+            flights = f"{mine.successes} of {count(mine.flights, 'flight')}"
+            yield f"{world}: {flights} pass every gate when tuned, {others.successes} of {others.flights} with the default parameters"
 
 
 def endings(rows: Sequence[TransferRow]) -> Iterator[list[str]]:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from hotlap.analysis.transfer import DEFAULT, TUNED, TransferRow
+from hotlap.analysis.transfer import DEFAULT, TUNED, TransferRow, metres
 from hotlap.report.pictures import save
 from hotlap.report.style import BEST, FAILURE, FIRST, INK, NORMAL, QUIET, SMALL, headline, headline_width, place_axes, styled
 
@@ -21,7 +21,7 @@ COLOURS: Mapping[str, str] = {DEFAULT: FIRST, TUNED: BEST}
 LEFT, RIGHT, TOP, BOTTOM = 0.7, 0.25, 0.85, 0.55  # inches
 PAIR, BOX_HEIGHT, BOX_WIDTH = 1.5, 2.8, 0.5  # inches a world, inches, of the distance between two boxes
 LONG, TALL, GAP = 7.2, 1.5, 0.32  # inches of a chart over time, and between two
-REACH = 8.0  # times the median error: as far as the charts reach
+REACH = 3.0  # times the largest error of all flights that passed every gate: as far as the charts reach
 
 
 def draw_transfer(folder: Path, race: str, rows: Sequence[TransferRow], prefix: str = "") -> tuple[Path, Path]:
@@ -47,9 +47,9 @@ def error_boxes(race: str, rows: Sequence[TransferRow]) -> Figure:
     """Tracking error of all control steps of all flights: a box for each set of parameters in each world."""
     names, labels = _worlds(rows), _labels(rows)
     title, detail = f"{race}: tracking error", "all control steps; box: quartiles and median, whiskers: 5 and 95 %, triangle: largest"
-    width = max(LEFT + len(names) * PAIR + RIGHT, LEFT + headline_width(title, detail, _key(labels)) + RIGHT)
-    figure = Figure(figsize=(width, TOP + BOX_HEIGHT + BOTTOM))
-    axes = place_axes(figure, LEFT, BOTTOM, len(names) * PAIR, BOX_HEIGHT)
+    width = max(len(names) * PAIR, headline_width(title, detail, _key(labels)))
+    figure = Figure(figsize=(LEFT + width + RIGHT, TOP + BOX_HEIGHT + BOTTOM))
+    axes = place_axes(figure, LEFT, BOTTOM, width, BOX_HEIGHT)
     axes.grid(visible=True, axis="y")
     top = _top(rows)
     axes.set_ylim(0, top)
@@ -86,11 +86,12 @@ def _draw_box(axes: Axes, row: TransferRow, place: float, width: float, top: flo
         capprops=line,
     )
     at, shift, side = (place + width / 2, 3, "left") if right else (place - width / 2, -3, "right")
-    axes.annotate(f"{middle:.2f}", (at, middle), (shift, 0), textcoords="offset points", fontsize=SMALL, color=INK, va="center", ha=side)
+    told, height = (metres(middle), middle) if middle <= top else (f"median\n{metres(middle)}", 0.92 * top)
+    axes.annotate(told, (at, height), (shift, 0), textcoords="offset points", fontsize=SMALL, color=INK, va="center", ha=side)
     largest = float(errors.max())
     axes.plot(place, min(largest, 0.98 * top), marker="^", markersize=4, color=colour, clip_on=False)
     if largest > top:
-        axes.annotate(f"{largest:.1f}", (place, top), (0, 4), textcoords="offset points", fontsize=SMALL, color=QUIET, ha="center")
+        axes.annotate(metres(largest), (place, top), (0, 4), textcoords="offset points", fontsize=SMALL, color=QUIET, ha="center")
 
 
 @styled
@@ -129,11 +130,15 @@ def _draw_flights(axes: Axes, row: TransferRow, top: float) -> None:
 
 
 def _top(rows: Sequence[TransferRow]) -> float:
-    """[m] as far as the charts reach: to the largest error, unless a few are far beyond all others."""
-    errors = np.concatenate([row.errors for row in rows])
-    if not len(errors):
-        return 1.0
-    return float(min(1.05 * errors.max(), max(REACH * np.median(errors), 1.2 * np.percentile(errors, 99)))) or 1.0
+    """[m] as far as the charts reach: to the largest error, but not where a crash would make all flights that are complete flat."""
+    largest = {complete: [_largest(row, complete=complete) for row in rows] for complete in (True, False)}
+    whole, others = (max(largest[complete]) for complete in (True, False))
+    return 1.05 * (max(whole, min(others, REACH * whole)) if whole else others) or 1.0
+
+
+def _largest(row: TransferRow, *, complete: bool) -> float:
+    """[m] largest error of the flights that passed every gate, or of the others; 0 where there are none."""
+    return max((float(flight.errors.max(initial=0.0)) for flight in row.flights if flight.complete is complete), default=0.0)
 
 
 def _worlds(rows: Sequence[TransferRow]) -> list[str]:

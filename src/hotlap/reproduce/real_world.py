@@ -15,7 +15,7 @@ import numpy as np
 from hotlap import tuners, worlds
 from hotlap.analysis.learning import built_in_world
 from hotlap.analysis.resumable import ResumableJobs
-from hotlap.analysis.transfer import DEFAULT, TUNED, Journey, TransferRow, rows_of
+from hotlap.analysis.transfer import DEFAULT, TUNED, Journey, TransferRow, metres, rows_of
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
@@ -134,7 +134,7 @@ def _show(jobs: ResumableJobs, page: Article, name: str, rows: list[TransferRow]
 
     late = f"{RACE}, with {1e3 * UNKNOWN_DELAY:.0f} ms of dead time that the controller does not know of"
     page.head(f"{RACE} as it is" if name == RACE else late)
-    medians = [f"{np.median(row.errors):.2f}" for row in rows]
+    medians = [metres(float(np.median(row.errors))) for row in rows]
     page.table((*HEADS, "median [m]"), [[*cells, middle] for cells, middle in zip(cells_of(rows), medians, strict=True)])
     for line in changes(rows):
         page.say(line)

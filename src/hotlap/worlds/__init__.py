@@ -5,7 +5,8 @@ A name is `built-in`, that of a simulator, or `my_module.MySimulator` for one's 
 
     open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Simulator
 
-which is imported when it is asked for, so that nobody needs the packages of a simulator that is not used.
+and, where opening it takes long, the words `OPENING` for what it does then. It is imported when it is asked for, so that nobody needs the
+packages of a simulator that is not used.
 """
 
 from __future__ import annotations
@@ -56,7 +57,10 @@ def build(name: str, instances: int = 1) -> World:
     opened = _import(base) if "." in base else partial(_open, base)
     from hotlap.worlds.stepped import Stepped  # noqa: PLC0415  only for simulators
 
-    return Stepped(name, partial(_tell, opened, argument) if argument else opened, instances)
+    world = Stepped(name, partial(_tell, opened, argument) if argument else opened, instances)
+    if "." not in base:
+        world.opening = getattr(import_module(f"{__name__}.{base}"), "OPENING", world.opening)
+    return world
 
 
 def _open(name: str, *told: Any) -> Simulator:

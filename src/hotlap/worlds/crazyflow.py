@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.reference.scenario import Scenario
+from hotlap.worlds.separate import Separate
 from hotlap.worlds.simulator import SimulatorError, Start
 
 Floats = NDArray[np.float64]
 
 MISSING = "crazyflow is not installed: pip install 'hotlap[crazyflow]'"
+OPENING = "compiling crazyflow"
+ENVIRONMENT = {"SCIPY_ARRAY_API": "1"}
 STEP = 0.0025  # s, of physics and rate loop
 LANES = 16
 FROM_ORIGIN = Start(np.array([0.0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]))
@@ -24,8 +27,8 @@ TO_XYZW, TO_WXYZ = [0, 1, 2, 4, 5, 6, 3, *range(7, 13)], [0, 1, 2, 6, 3, 4, 5, *
 OUR_ROTORS = [3, 0, 1, 2]  # among those of its drones: front left, front right, back right, back left
 
 
-def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Crazyflow:
-    """A crazyflow of its own for each instance.
+def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Separate:
+    """A crazyflow for each instance, in a process of its own: SciPy must be loaded there as crazyflow wants it.
 
     Args:
         scenario: what is flown.
@@ -33,11 +36,13 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Cra
         argument: name of a drone of crazyflow, which flies as crazyflow describes it, its rate loop too; "": the race's vehicle.
 
     Raises:
-        SimulatorError: crazyflow is not installed.
+        SimulatorError: crazyflow is not installed, or the vehicle's rotors do not sit in a square.
         UnknownNameError: it has no such drone.
     """
     del instance
-    return Crazyflow(scenario.race.vehicle, scenario.race.control_model, drone=argument)
+    if not installed():
+        raise SimulatorError(MISSING)
+    return Separate(Crazyflow, scenario.race.vehicle, scenario.race.control_model, argument, environment=ENVIRONMENT)
 
 
 def installed() -> bool:
@@ -48,7 +53,8 @@ def installed() -> bool:
 class Crazyflow:
     """Quadrotors in crazyflow's model of first principles, under thrust and body rates, each in a world of its own.
 
-    The first step is compiled for some seconds.
+    Making it compiles its step, for ten seconds; another one in the same process does not. Where SciPy is loaded already, `ENVIRONMENT`
+    must have been set before.
 
     Args:
         vehicle: that flies. Dead time and battery are not crazyflow's.
@@ -62,7 +68,7 @@ class Crazyflow:
         scales_thrust: False.
 
     Raises:
-        SimulatorError: crazyflow is not installed.
+        SimulatorError: crazyflow is not installed, or the vehicle's rotors do not sit in a square.
         UnknownNameError: it has no such drone.
     """
 
@@ -82,6 +88,7 @@ class Crazyflow:
         self._place, self._step = ours.place, ours.stepper(bool(drone))
         for lane in range(lanes):
             self.reset(lane, FROM_ORIGIN)
+        self.advance(np.zeros((lanes, 4)), STEP)
 
     def reset(self, lane: int, start: Start) -> None:
         """Place a drone, its rotors as in hover, and let its rate loop forget."""

@@ -1,5 +1,7 @@
 """Vehicles for crazyflow: a quadrotor of ours as crazyflow describes one, and crazyflow's own under body rates. Loads JAX."""
 
+# pyright: reportMissingImports=false
+
 from __future__ import annotations
 
 import warnings
@@ -27,10 +29,11 @@ from numpy.typing import NDArray
 
 from hotlap.core.errors import UnknownNameError
 from hotlap.race.quadrotor import Quadrotor
+from hotlap.worlds.simulator import SimulatorError
 
 Floats = NDArray[np.float64]
 
-FASTEST = 20000.0  # revolutions a minute at full thrust: any will do for a vehicle of ours, as only thrusts are given
+FASTEST = 20000.0  # revolutions a minute at full thrust, where a vehicle does not say it: any will do
 LEAST_MOTOR_TIME = 2e-3  # s, so that its integrator is stable
 PWM = 65535.0  # its full scale
 NO_LIMIT = 1e9  # of its PWM
@@ -67,14 +70,19 @@ def build(drone: str, lanes: int, step: float) -> Sim:
 
 
 def become(sim: Sim, vehicle: Quadrotor, autopilot: Quadrotor) -> None:
-    """Make crazyflow's drones a quadrotor of ours, whose rate loop takes another's mass, inertia and mixer to be true."""
-    curve = np.array([0.0, 0.0, vehicle.rotor_thrust[1] / FASTEST**2])
+    """Make crazyflow's drones a quadrotor of ours, whose rate loop takes another's mass, inertia and mixer to be true.
+
+    Raises:
+        SimulatorError: its rotors do not sit in a square.
+    """
+    fastest = FASTEST if vehicle.rotor_speed is None else vehicle.rotor_speed * 30 / np.pi
+    curve = np.array([0.0, 0.0, vehicle.rotor_thrust[1] / fastest**2])
     up, down = (1 / max(time, LEAST_MOTOR_TIME) for time in vehicle.motor_time)
     inertia = np.diag(vehicle.inertia)
     params = sim.data.params.replace(
         mass=jnp.array([vehicle.mass]),
         L=jnp.array([_lever(vehicle)]),
-        prop_inertia=jnp.zeros(1),
+        prop_inertia=jnp.array([vehicle.rotor_inertia]),
         gravity_vec=jnp.array([0.0, 0.0, -vehicle.gravity]),
         J=jnp.array(inertia),
         J_inv=jnp.array(np.linalg.inv(inertia)),
@@ -84,7 +92,7 @@ def become(sim: Sim, vehicle: Quadrotor, autopilot: Quadrotor) -> None:
         drag_matrix=jnp.array(-vehicle.mass * np.diag(vehicle.drag)),
         rotor_dyn_coef=jnp.array([[up, 0.0, down, 0.0]]),
     )
-    drags = {ROTOR_DRAG: vehicle.rotor_drag * jnp.array([1.0, 1.0, 0.0]), BODY_DRAG: jnp.array(vehicle.body_drag)}
+    drags = {ROTOR_DRAG: jnp.array([vehicle.rotor_drag, vehicle.rotor_drag, vehicle.inflow]), BODY_DRAG: jnp.array(vehicle.body_drag)}
     sim.data = sim.data.replace(params=params, plugins=drags)
     _set_controllers(sim, *_controllers(vehicle, autopilot, curve))
 
@@ -158,13 +166,21 @@ def _quiet() -> Iterator[None]:
 
 
 def _lever(quadrotor: Quadrotor) -> float:
-    return quadrotor.arm * np.sqrt(0.5)
+    """[m] of a rotor in the mean, about the axes of roll and pitch: of an X that of every rotor."""
+    return float(np.linalg.norm(quadrotor.torque_matrix[0]) / 2)
 
 
 def _mixing(quadrotor: Quadrotor) -> Floats:
-    """Signs of the rotors' torques, shape (3, 4): crazyflow's lever and torque ratio times them are torques; rows have length 2."""
+    """Signs of the rotors' torques, shape (3, 4): crazyflow's lever and torque ratio times them are torques.
+
+    Raises:
+        SimulatorError: crazyflow's mixer, which takes the transposed matrix for the inverse, does not fit the rotors.
+    """
     lever = _lever(quadrotor)
-    return quadrotor.torque_matrix / np.array([lever, lever, quadrotor.torque_ratio])[:, None]
+    mixing = quadrotor.torque_matrix / np.array([lever, lever, quadrotor.torque_ratio])[:, None]
+    if mixing.shape != (3, 4) or not np.allclose(mixing @ mixing.T, 4 * np.eye(3), atol=1e-6):
+        raise SimulatorError(f"crazyflow flies four rotors in a square, not those of {quadrotor.name}")
+    return mixing
 
 
 def _controllers(vehicle: Quadrotor, autopilot: Quadrotor, curve: Floats) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -24,6 +24,7 @@ from hotlap.core.errors import InputError
 from hotlap.core.printable import printable
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.reference.scenario import Scenario
+from hotlap.worlds.rate_loop import RateLoop
 from hotlap.worlds.simulator import SimulatorError, Start
 
 Floats = NDArray[np.float64]
@@ -41,13 +42,13 @@ class Flightmare:
         name: of the module.
         drone: an instance of its `Quadrotor`.
         quadrotor: the vehicle, whose rate loop is ours.
+        known_as: the vehicle as its rate loop knows it; None: as it is.
     """
 
     lanes, step, scales_thrust = 1, STEP, False
 
-    def __init__(self, name: str, drone: Any, quadrotor: Quadrotor) -> None:
-        self._name, self._drone, self._quadrotor = name, drone, quadrotor
-        self._mixer = np.linalg.inv(np.vstack([np.ones(4), quadrotor.torque_matrix]))
+    def __init__(self, name: str, drone: Any, quadrotor: Quadrotor, known_as: Quadrotor | None = None) -> None:
+        self._name, self._drone, self._rate_loop = name, drone, RateLoop(quadrotor, known_as)
         self._hover = np.full(4, quadrotor.mass * quadrotor.gravity / 4)
         self._thrusts, self._state = self._hover, np.zeros(13)
 
@@ -63,7 +64,7 @@ class Flightmare:
     def advance(self, commands: Floats, duration: float) -> None:
         """Fly for a duration [s] under a command that is held, shape (1, 4); the rate loop runs at every step."""
         for _ in range(round(duration / STEP)):
-            self._thrusts = self._rate_loop(commands[0])
+            self._thrusts = self._rate_loop(self._state, self._thrusts, commands[0])
             self._call("step", self._thrusts.tolist(), STEP)
             self._state = self._read()
 
@@ -80,14 +81,6 @@ class Flightmare:
     def close(self) -> None:
         """Let it go."""
         self._drone = None
-
-    def _rate_loop(self, command: Floats) -> Floats:
-        """Rotor thrusts for a command, within their limits."""
-        vehicle, rates = self._quadrotor, self._state[10:]
-        inertia = vehicle.inertia_vector
-        torque = inertia * vehicle.rate_gain * (command[1:] - rates) + np.cross(rates, inertia * rates)
-        thrusts: Floats = self._mixer @ np.array([vehicle.mass * command[0], *torque])
-        return thrusts.clip(*vehicle.rotor_thrust)
 
     def _read(self) -> Floats:
         return self._numbers("state", 13)
@@ -134,7 +127,7 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Fli
         drone = make()
     except Exception as error:
         raise SimulatorError(f"{argument}: Quadrotor: {_in_words(error)}") from error
-    return Flightmare(argument, drone, scenario.race.vehicle)
+    return Flightmare(argument, drone, scenario.race.vehicle, scenario.race.control_model)
 
 
 def _module(name: str) -> ModuleType:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.race.quadrotor import Quadrotor, RotorLayout, rotor_positions
+from hotlap.race.quadrotor import Quadrotor
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds.separate import Separate
 from hotlap.worlds.simulator import Simulator, SimulatorError, Start
@@ -55,7 +55,7 @@ class RotorPy:
         scales_thrust: True.
 
     Raises:
-        SimulatorError: RotorPy is not installed.
+        SimulatorError: RotorPy is not installed, or the vehicle has not four rotors.
     """
 
     def __init__(self, vehicle: Quadrotor, autopilot: Quadrotor | None = None) -> None:
@@ -102,8 +102,6 @@ class RotorPy:
 
 def parameters_of(vehicle: Quadrotor) -> dict[str, Any]:
     """A quadrotor as RotorPy describes one."""
-    positions = rotor_positions(vehicle.layout, vehicle.arm)
-    turning = np.array([1.0, -1.0, 1.0, -1.0]) * (1.0 if vehicle.layout is RotorLayout.X else -1.0)
     least, largest = np.sqrt(np.array(vehicle.rotor_thrust) / THRUST_CURVE)
     inertia = dict(zip(("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"), (*vehicle.inertia, 0.0, 0.0, 0.0), strict=True))
     return {
@@ -111,13 +109,14 @@ def parameters_of(vehicle: Quadrotor) -> dict[str, Any]:
         **inertia,
         **dict(zip(("c_Dx", "c_Dy", "c_Dz"), vehicle.body_drag, strict=True)),
         "num_rotors": 4,
-        "rotor_pos": {f"r{k + 1}": np.array([*position, 0.0]) for k, position in enumerate(positions)},
-        "rotor_directions": turning,
+        "rotor_pos": {f"r{k + 1}": np.array([*position, 0.0]) for k, position in enumerate(vehicle.rotor_positions)},
+        "rotor_directions": vehicle.rotor_spins,
         "rotor_speed_min": float(least),
         "rotor_speed_max": float(largest),
         "k_eta": THRUST_CURVE,
         "k_m": THRUST_CURVE * vehicle.torque_ratio,
         "k_d": vehicle.rotor_drag * np.sqrt(THRUST_CURVE),
+        "k_z": vehicle.inflow * np.sqrt(THRUST_CURVE),
         "tau_m": max(*vehicle.motor_time, LEAST_MOTOR_TIME),
         "k_w": np.array(vehicle.rate_gain),
     }
@@ -131,8 +130,10 @@ def multirotor(vehicle: Quadrotor, autopilot: Quadrotor) -> Multirotor:
         autopilot: whose inertia and mixer its rate loop takes to be true.
 
     Raises:
-        SimulatorError: RotorPy is not installed.
+        SimulatorError: RotorPy is not installed, or the vehicle has not four rotors.
     """
+    if vehicle.rotor_count != 4:
+        raise SimulatorError(f"rotorpy flies four rotors, not the {vehicle.rotor_count} of {vehicle.name}")
     try:
         from rotorpy.vehicles.multirotor import Multirotor  # noqa: PLC0415  optional, and takes a second
     except ModuleNotFoundError as error:

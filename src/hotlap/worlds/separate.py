@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.errors import HotlapError
 from hotlap.system.blas_threads import one_thread_each
 from hotlap.worlds.simulator import Simulator, SimulatorError, Start
 
 Floats = NDArray[np.float64]
 
-TIMEOUT = 120.0  # s that an answer may take: opening imports what it needs
+OPENING, TIMEOUT = 900.0, 120.0  # s that an answer may take; opening imports and compiles what it needs
 
 
 class Separate:
@@ -26,6 +29,7 @@ class Separate:
     Args:
         opened: makes the simulator there; a function or class of a module, so that the process can find it.
         arguments: of `opened`.
+        environment: variables of its environment, beside ours.
 
     Attributes:
         lanes, step, scales_thrust: the simulator's.
@@ -34,15 +38,15 @@ class Separate:
         SimulatorError: it cannot be opened, or is lost later on.
     """
 
-    def __init__(self, opened: Callable[..., Simulator], *arguments: Any) -> None:
+    def __init__(self, opened: Callable[..., Simulator], *arguments: Any, environment: Mapping[str, str] = MappingProxyType({})) -> None:
         context = multiprocessing.get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs, opened, arguments), daemon=True)
-        with one_thread_each():
+        with one_thread_each(), _variables(environment):
             self._process.start()
         theirs.close()
         self._seen: tuple[Floats, Floats] = (np.empty((0, 13)), np.empty((0, 4)))
-        self.lanes, self.step, self.scales_thrust = self._answer()
+        self.lanes, self.step, self.scales_thrust = self._answer(OPENING)
 
     def reset(self, lane: int, start: Start) -> None:
         """Place a drone."""
@@ -73,10 +77,10 @@ class Separate:
             raise SimulatorError("the simulator's process has ended") from error
         return self._answer()
 
-    def _answer(self) -> Any:
+    def _answer(self, timeout: float = TIMEOUT) -> Any:
         try:
-            if not self._pipe.poll(TIMEOUT):
-                raise SimulatorError(f"the simulator's process has not answered for {TIMEOUT:g} s")
+            if not self._pipe.poll(timeout):
+                raise SimulatorError(f"the simulator's process has not answered for {timeout:g} s")
             answer = self._pipe.recv()
         except (EOFError, OSError) as error:
             raise SimulatorError("the simulator's process has ended") from error
@@ -84,6 +88,21 @@ class Separate:
             self.close()
             raise answer
         return answer
+
+
+@contextmanager
+def _variables(environment: Mapping[str, str]) -> Iterator[None]:
+    """Processes that are started within it have these variables in their environment."""
+    before = {name: os.environ.get(name) for name in environment}
+    os.environ.update(environment)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 def _serve(pipe: Connection, opened: Callable[..., Simulator], arguments: tuple[Any, ...]) -> None:
@@ -100,4 +119,4 @@ def _serve(pipe: Connection, opened: Callable[..., Simulator], arguments: tuple[
         except (EOFError, OSError):
             raise
         except Exception as error:  # noqa: BLE001  whatever it was, the parent hears of it
-            pipe.send(error if isinstance(error, SimulatorError) else SimulatorError(f"{type(error).__name__}: {error}"))
+            pipe.send(error if isinstance(error, HotlapError) else SimulatorError(f"{type(error).__name__}: {error}"))

@@ -34,11 +34,12 @@ class Stepped:
         note: called with a line when a simulator was lost.
         watch: called after each flight with how many of the batch have ended.
         slow: True: flights take seconds.
+        opening: what it does while it is opened.
     """
 
     def __init__(self, name: str, open_simulator: OpenSimulator, instances: int = 1) -> None:
         self.name, self.instances, self.takes_vehicle_parameters = name, instances, False
-        self.slow = True
+        self.slow, self.opening = True, f"opening {name}"
         self.note: Callable[[str], None] = _warn
         self.watch: Callable[[int], None] = lambda _: None
         self._instances = [Instance(name, open_simulator, number) for number in range(instances)]

@@ -122,13 +122,13 @@ class Client:
             raise refusal
         return result
 
-    def has_replied(self, number: int, patience: float = 0.0) -> bool:
-        """Whether a call is answered, at once or after a time [s]."""
+    def has_replied(self, number: int, patience: float) -> bool:
+        """Whether a call is answered within a time [s]."""
         end = monotonic() + patience
         while number not in self._replies:
             left = end - monotonic()
-            if left < 0 or not self._receive(max(left, 1e-4)):
-                return number in self._replies
+            if left <= 0 or not self._receive(left):
+                return False
         return True
 
     def close(self) -> None:

@@ -141,10 +141,10 @@ def configuration(layout: RotorLayout, full_stick: int, tuning: Sequence[str] = 
     return (*map(Line, before), *own, *map(Line, after))
 
 
-def motor_idle(lines: Sequence[Line]) -> float | None:
-    """Motor output at no throttle [-] that lines set, None where they do not."""
+def motor_idle(lines: Sequence[Line]) -> float:
+    """Motor output at no throttle [-] with lines."""
     found = [match for line in lines if (match := IDLE_LINE.fullmatch(line.text))]
-    return 1e-4 * float(found[-1][1]) if found else None
+    return 1e-4 * float(found[-1][1]) if found else IDLE
 
 
 def full_stick_for(rate: float) -> int:

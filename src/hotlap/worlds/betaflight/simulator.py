@@ -16,7 +16,7 @@ from hotlap.race.quadrotor import Quadrotor
 from hotlap.worlds.betaflight.console import configured
 from hotlap.worlds.betaflight.gains import gain_lines
 from hotlap.worlds.betaflight.link import BOOT, PATIENCE, Link
-from hotlap.worlds.betaflight.settings import IDLE, Line, configuration, full_stick_for, motor_idle
+from hotlap.worlds.betaflight.settings import Line, configuration, full_stick_for, motor_idle
 from hotlap.worlds.betaflight.sticks import ROTORS, Channels, Sticks, resting
 from hotlap.worlds.simulator import SimulatorError, Start
 
@@ -59,15 +59,16 @@ class Betaflight:
         floor: float = -math.inf,
         patience: float = PATIENCE,
     ) -> None:
+        if quadrotor.rotors is not None:
+            raise SimulatorError(f"Betaflight flies four rotors in layout x or plus, not those that {quadrotor.name} lists")
         full_stick = full_stick_for(max(quadrotor.rate_limit) if most_rate is None else most_rate)
-        idle = motor_idle(own)
-        self._sticks = Sticks(quadrotor, full_stick, IDLE if idle is None else idle)
+        lines = configuration(quadrotor.layout, full_stick, gain_lines(quadrotor), own)
+        self._sticks = Sticks(quadrotor, full_stick, motor_idle(lines))
         self._own = own
         self._hover = np.array([quadrotor.gravity, 0.0, 0.0, 0.0])
         self._rotors, self._floor, self._grounded = ROTORS[quadrotor.layout], floor, False
         self._plant = MotorPlant(quadrotor, STEP / WITHIN)
-        eeprom = configured(configuration(quadrotor.layout, full_stick, gain_lines(quadrotor), own), patience)
-        self._armed = Link.start(eeprom, patience=patience)
+        self._armed = Link.start(configured(lines, patience), patience=patience)
         self._flying: Link | None = None
         self._clock = self._armed_at = BOOT
         try:
