@@ -33,7 +33,7 @@ from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
 ROUNDS = 40  # of plans tried around the best so far
-FIXED = ("reference", "first_guess", "segments", "on", "randomise", "samples", "reliability", "selection", "minutes")
+FIXED = ("reference", "first_guess", "segments", "on", "instances", "randomise", "samples", "reliability", "selection", "minutes")
 """Arguments that have no meaning here."""
 
 

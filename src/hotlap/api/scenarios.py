@@ -81,6 +81,8 @@ def make_ready(world: World, scenario: Scenario, progress: Progress) -> None:
     """Let a world compile what it flies with, and say so where that takes its time."""
     if isinstance(world, Stepped):
         world.note = lambda line: progress.note(f"note: {line}")
+        if scenario.race.noise.wind > 0 or scenario.race.noise.steady_wind > 0:
+            world.note(f"the wind of {scenario.race.name} blows in the built-in world only, not in {world.name}")
     prepare_world, needs_compiling = getattr(world, "prepare", None), getattr(world, "needs_compiling", None)
     if prepare_world is None:
         return
