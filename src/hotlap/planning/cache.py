@@ -26,6 +26,8 @@ SOURCES = (
     "hotlap.dynamics",
     "hotlap.race.airframe",
     "hotlap.race.quadrotor",
+    "hotlap.race.rate_loop",
+    "hotlap.race.rotors",
     "hotlap.race.flight_performance",
     "hotlap.race.gate",
     "hotlap.race.gate_plane",
