@@ -114,8 +114,7 @@ def test_it_follows_a_study_from_before_its_first_flight(here, environment):
         env={**environment, "FAKE_PAUSE": "0.1"},
     )
     assert tuning.stderr is not None
-    while tuning.stderr.readline() != "flying\n":  # the study is there, its first batch is not
-        pass
+    assert "flying\n" in tuning.stderr  # the study is there, its first batch is not
     try:
         with watching(environment, "mine") as (_, address):
             known, seen = -1, []
