@@ -10,10 +10,11 @@ from numpy.testing import assert_allclose
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
+from hotlap.dynamics.mixers import LEAST_THROTTLE, Mixer
 from hotlap.flight.detailed_plant import detailed_vehicle_numbers
 from hotlap.race.plant_kind import PLAIN, detailed_kind, plant_kind_of
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.rate_loop import LEAST_THROTTLE, LIMITS, Mixer, Output, RateLoop
+from hotlap.race.rate_loop import LIMITS, Output, RateLoop
 from hotlap.race.vehicle_parameters import COLUMNS, scale, vehicle_parameters_of
 
 from .open_loop import REST, OpenLoop

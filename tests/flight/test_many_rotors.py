@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
-from hotlap.race.rate_loop import LIMITS, Mixer, Output, RateLoop
+from hotlap.dynamics.mixers import Mixer
+from hotlap.race.rate_loop import LIMITS, Output, RateLoop
 
 from .scenarios import fly, make_scenario
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hotlap.core.errors import InputError
-from hotlap.importers.content import Content
+from hotlap.files.content import Content
 from hotlap.worlds.airsim import open_simulator
 from hotlap.worlds.airsim.address import Address, address_of
 from hotlap.worlds.airsim.frames import kinematics_of, rotation_of, state_of

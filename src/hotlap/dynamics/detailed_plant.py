@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import casadi as ca
 
+from hotlap.dynamics.mixers import LEAST_THROTTLE, Mixer
 from hotlap.dynamics.models import E3, Expression, angular_acceleration, drag_of, quaternion_rate, rotation_matrix, split
 from hotlap.dynamics.parameter_layout import DISTURBANCE, LOOP_STATE, detailed_autopilot, detailed_vehicle
-from hotlap.race.rate_loop import LEAST_THROTTLE, Mixer
 
 
 def _rows(symbol: Expression, columns: int) -> Expression:

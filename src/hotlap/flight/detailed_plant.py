@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from hotlap.dynamics.mixers import Mixer
 from hotlap.dynamics.parameter_layout import LOOP_STATE, detailed_autopilot, detailed_vehicle
 from hotlap.flight.compile import compiled, translate
 from hotlap.flight.lanes import select
@@ -20,7 +21,7 @@ from hotlap.flight.plant import DISTURBANCE_SIZE, motor_shares, rotor_mixer
 from hotlap.race.plant_kind import DetailedKind, detailed_kind
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import PLANT_STEP
-from hotlap.race.rate_loop import LIMITS, Mixer, MotorLag, Output, RateLoop
+from hotlap.race.rate_loop import LIMITS, MotorLag, Output, RateLoop
 from hotlap.race.rotors import torques_of
 from hotlap.race.vehicle_parameters import COLUMNS, check_vehicle_parameters, part_of
 

@@ -15,10 +15,10 @@ from xml.etree.ElementTree import Element
 
 from hotlap.core.errors import InputError
 from hotlap.core.printable import printable
+from hotlap.files.content import Content
 from hotlap.files.kinds import Kind
 from hotlap.files.recognition import TYPES
 from hotlap.importers import agilicious, drone_models, fast_fly, lsy_drone_racing, mrs, rpg_time_optimal, sdf, togt, urdf
-from hotlap.importers.content import Content
 from hotlap.importers.documents import read_document
 from hotlap.importers.imported import Findings, Format, Imported, rounded
 from hotlap.importers.markup import Markup

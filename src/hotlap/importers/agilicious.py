@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from hotlap.files.content import Content
 from hotlap.files.kinds import Kind
-from hotlap.importers.content import Content
 from hotlap.importers.imported import Findings, Format
 from hotlap.importers.rotors import from_diagonal, place_rotors
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
-from hotlap.importers.content import Content
+from hotlap.files.content import Content
 from hotlap.importers.imported import Findings
 from hotlap.importers.turning import angles_of
 from hotlap.worlds.airsim.address import address_of

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from hotlap.files.content import Content
 from hotlap.files.kinds import Kind
-from hotlap.importers.content import Content
 from hotlap.importers.imported import Findings, Format
 from hotlap.importers.turning import is_level, quaternion_of
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from xml.etree.ElementTree import Element
 
 from hotlap.core.errors import InputError
-from hotlap.importers.content import Content
+from hotlap.files.content import Content
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from hotlap.core.errors import UnknownNameError
+from hotlap.files.content import Content
 from hotlap.files.kinds import Kind
-from hotlap.importers.content import Content
 from hotlap.importers.imported import Findings, Format
 from hotlap.importers.rotors import count_rotors, fill_radius, place_rotors, squared
 

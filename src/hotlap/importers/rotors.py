@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.importers.content import Content
+from hotlap.files.content import Content
 from hotlap.importers.imported import Findings
 from hotlap.race.quadrotor import GRAVITY
 

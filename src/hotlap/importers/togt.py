@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.files.content import Content
 from hotlap.files.kinds import Kind
-from hotlap.importers.content import Content
 from hotlap.importers.imported import Findings, Format
 from hotlap.importers.rotors import from_diagonal, from_lever, place_rotors
 from hotlap.importers.turning import angles_of, is_level, quaternion_of, rotation_of

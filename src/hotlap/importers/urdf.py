@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from hotlap.files.content import Content
 from hotlap.files.kinds import Kind
-from hotlap.importers.content import Content
 from hotlap.importers.imported import Findings, Format
 from hotlap.importers.markup import Markup
 from hotlap.importers.rotors import PER_MINUTE, fill_radius, from_weight, place_rotors

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hotlap.dynamics.mixers import Mixer
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.rate_loop import Mixer, MotorLag
+from hotlap.race.rate_loop import MotorLag
 
 PLAIN = "plain"
 

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
+from hotlap.dynamics.mixers import Mixer
 from hotlap.race.battery import Battery
 from hotlap.race.rate_loop import MOST_DELAY as MOST_RATE_DELAY
-from hotlap.race.rate_loop import Mixer, MotorLag, Output, RateLoop
+from hotlap.race.rate_loop import MotorLag, Output, RateLoop
 from hotlap.race.rotors import Rotor, RotorLayout, farthest, fault_of, rotor_positions, rotor_spins, torques_of
 from hotlap.race.schema import Described, NotNegative, Positive
 

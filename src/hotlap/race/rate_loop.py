@@ -14,25 +14,9 @@ from pydantic import Field
 from hotlap.race.schema import Described, NotNegative, Positive
 
 Share = Annotated[float, Field(gt=0, le=1)]
-LEAST_THROTTLE = 0.05  # share of the thrust below which the mixer "scale" controls no rates
 LIMITS = (0.5, 0.5, 0.4)  # Betaflight's limits of roll, pitch and yaw: pidsum_limit and pidsum_limit_yaw over 1000
 MOST_DELAY = 0.05  # s
 THREE_ZEROS = (0.0, 0.0, 0.0)
-
-
-class Mixer(StrEnum):
-    """What becomes of rotor thrusts beyond the limits of the rotors.
-
-    CLIP: each rotor is clipped by itself: collective thrust, torques, or both are not what was asked for.
-    SCALE: all are lifted where one would be below the least, then all are scaled down where one would exceed the largest; below a throttle
-        of 0.05 rates are not controlled. As AirSim's SimpleFlight does.
-    BETAFLIGHT: torques are scaled down where they need more than the whole range, then the throttle moves so that they fit, with airmode;
-        roll, pitch and yaw are limited one by one before. As Betaflight does.
-    """
-
-    CLIP = "clip"
-    SCALE = "scale"
-    BETAFLIGHT = "betaflight"
 
 
 class Output(StrEnum):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.importers.content import Content
+from hotlap.files.content import Content
 
 Floats = NDArray[np.float64]
 VECTOR, QUATERNION = ("x_val", "y_val", "z_val"), ("w_val", "x_val", "y_val", "z_val")

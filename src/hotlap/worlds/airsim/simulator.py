@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
-from hotlap.importers.content import Content
+from hotlap.files.content import Content
 from hotlap.worlds.airsim.client import TIMEOUT, CallError, Client
 from hotlap.worlds.airsim.frames import kinematics_of, pose_of, state_of
 from hotlap.worlds.airsim.moves import Moves
