@@ -30,6 +30,7 @@ myst_heading_anchors = 3
 myst_links_external_new_tab = False
 
 autodoc_member_order = "bysource"
+autodoc_mock_imports = ["crazyflow", "drone_models", "jax", "mujoco", "rotorpy"]  # simulators that need not be installed
 autodoc_typehints_format = "short"
 default_role = "code"
 napoleon_numpy_docstring = False

@@ -62,7 +62,7 @@ class SimulatorContract:
 
     quadrotor: Quadrotor = PLAIN
     scenario: Scenario = make_scenario(noise={"thrust": 0.02, "rates": 0.1, "thrust_bias": 0.01, "position": 0.05, "velocity": 0.05})
-    place, drift, same, fall, timeout = 1e-6, 0.05, 1e-9, 0.15, 10.0
+    place, drift, same, fall, timeout = 1e-6, 0.05, 1e-9, 0.15, 60.0
 
     def make(self, quadrotor: Quadrotor) -> Simulator:
         """A simulator of a quadrotor, just opened."""
