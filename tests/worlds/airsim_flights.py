@@ -6,14 +6,13 @@ from contextlib import closing
 
 import numpy as np
 
-from hotlap.files.descriptions import load_quadrotor
 from hotlap.worlds.airsim import open_simulator
 from hotlap.worlds.airsim.simulator import STEP, AirSim
 from hotlap.worlds.simulator import Start
+from worlds.airsim_plant import AIRSIM as VEHICLE
 from worlds.airsim_plant import Plant
 from worlds.airsim_server import Server
 
-VEHICLE = load_quadrotor("airsim-122m")
 HOVER = np.array([[9.80665, 0.0, 0.0, 0.0]])
 START = Start(np.array([1.0, 2.0, 3.0, 0.5, 0.5, 0.5, 0.5, 0.3, 0.2, 0.1, 0.3, 0.2, 0.1]))
 LEVEL = Start(np.array([0.0, 0.0, 5.0, 1.0, *(0.0,) * 9]))

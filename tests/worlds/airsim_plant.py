@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from hotlap.dynamics.parameter_layout import VEHICLE, place_of
+from hotlap.files.descriptions import load_quadrotor
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers, borrow
 from hotlap.flight.numbers import COMPILE
@@ -15,6 +16,9 @@ from hotlap.flight.plant import THRUST_FACTOR, VehicleState, allocate_vehicle_st
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.vehicle_parameters import vehicle_parameters_of
 
+PROPORTIONAL = {"rate_loop": None, "mixer": "clip", "motor_lag": "speed", "rate_delay": 0.0}  # in place of SimpleFlight, what comes
+FITTED = {"rate_gain": (100.0, 84.0, 3.9), "motor_time": (0.01, 0.01)}  # nearest to its steps: 1/s, s
+AIRSIM = Quadrotor(**{**load_quadrotor("airsim-122m").model_dump(), **PROPORTIONAL, **FITTED})
 STEP, PARTS = 0.003, 2  # s, and into how many the plant divides it
 SHARES = place_of("motor_shares", VEHICLE)
 

@@ -8,17 +8,16 @@ import pytest
 from flight.scenarios import TUNED, make_scenario, parameters
 from hotlap.core.errors import InputError
 from hotlap.core.records import Cause, End
-from hotlap.files.descriptions import load_quadrotor
 from hotlap.planning.preparation import prepare
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds.airsim import open_simulator
 from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.instance import Instance
 from hotlap.worlds.stepped import Stepped
+from worlds.airsim_plant import AIRSIM as VEHICLE
 from worlds.airsim_plant import Plant
 from worlds.airsim_server import Server
 
-VEHICLE = load_quadrotor("airsim-122m")
 NOISE = {"thrust": 0.01, "rates": 0.02, "position": 0.03, "velocity": 0.03, "attitude": 0.01}
 
 
