@@ -43,6 +43,25 @@ def assert_same(one: Flights, other: Flights, tolerance: float = 0.0) -> None:
             np.testing.assert_allclose(getattr(log, field.name), getattr(other.logs[i], field.name), rtol=0, atol=10 * tolerance)
 
 
+SIX = tuple((0.17 * np.cos(turn), 0.17 * np.sin(turn), (-1) ** i) for i, turn in enumerate(np.pi / 6 + np.arange(6) * np.pi / 3))
+
+
+@pytest.mark.check  # each kind of plant is compiled
+@pytest.mark.parametrize(
+    "vehicle",
+    [
+        {"mixer": "scale", "rate_delay": 0.0075, "motor_lag": "thrust"},
+        {"rotors": SIX, "arm": 0.17, "rotor_thrust": [0.0, 4.0]},
+    ],
+)
+def test_a_detailed_plant_is_flown_as_in_the_built_in_world(vehicle):
+    scenario = make_scenario(vehicle, model=vehicle, noise=NOISE, judge={"distance": 0.35})
+    flown = Stepped("plant", plant).fly(scenario, parameters(2), SEEDS[:2], log=[0])
+    home = BuiltIn("float64", threads=1).fly(scenario, parameters(2), SEEDS[:2], log=[0])
+    assert flown.logs[0].rotor_thrusts.shape[1] == scenario.race.vehicle.rotor_count
+    assert_same(flown, home, SAME)
+
+
 @pytest.mark.parametrize(
     ("race", "delay"),
     [

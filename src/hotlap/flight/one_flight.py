@@ -25,7 +25,7 @@ from hotlap.flight.kernel import Lane, actuate, add_measurement_noise, allocate_
 from hotlap.flight.kernel_cache import is_filled, keep
 from hotlap.flight.lanes import as_numbers, borrow
 from hotlap.flight.lending import lend, lend_parts
-from hotlap.flight.numbers import COMPILE, Numbers
+from hotlap.flight.numbers import COMPILE, Numbers, aligned_zeros
 from hotlap.flight.plant import MASS, THRUST_FACTOR, VehicleState, allocate_vehicle_state
 from hotlap.flight.registry import CONTROLLERS
 from hotlap.reference.scenario import Scenario
@@ -33,6 +33,7 @@ from hotlap.reference.scenario import Scenario
 Floats = NDArray[np.float64]
 
 LOST = int(Cause.LOST)
+PLAIN_ROTORS = 4  # that memory of a plain plant has room for
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ class OneFlight:
         job, settings = batch.job, batch.settings
         commands = max(int(job.delay_periods.max(initial=0)), settings.predicted_periods, settings.acted_periods) + 2
         self._memory = CONTROLLERS[batch.law].allocate(settings, 1, np.float64)
-        self._loop, self._vehicle = allocate_control_loop(commands, 1, np.float64), allocate_vehicle_state(1, np.float64)
+        self._loop, self._vehicle = allocate_control_loop(commands, 1, np.float64), _allocate_vehicle(settings.rotors)
         self._lane = allocate_lanes(1)
 
     def begin(self, flight: int) -> Floats:
@@ -118,16 +119,16 @@ class OneFlight:
 
         Args:
             state: shape (13,).
-            rotor_thrusts: shape (4,) [N]; NaN where nobody knows: a battery is then drawn by what is commanded.
+            rotor_thrusts: shape (rotors,) [N]; NaN where nobody knows: a battery is then drawn by what is commanded.
         """
-        vehicle = self._vehicle
+        vehicle, rotors = self._vehicle, self._batch.settings.rotors
         turned = state[3:7] @ vehicle.state[3:7, 0] < 0  # q and -q are one attitude; the controller wants the nearer one
         vehicle.state[:13, 0] = state
         if turned:
             vehicle.state[3:7, 0] *= -1
         if self._batch.settings.sagging and np.isnan(rotor_thrusts).any():
-            rotor_thrusts = np.full(4, vehicle.vehicle[MASS, 0] * max(float(vehicle.acting[0, 0]), 0.0) / 4)
-        vehicle.state[13:, 0] = np.sqrt(np.maximum(rotor_thrusts, 0.0))
+            rotor_thrusts = np.full(rotors, vehicle.vehicle[MASS, 0] * max(float(vehicle.acting[0, 0]), 0.0) / rotors)
+        vehicle.state[13 : 13 + rotors, 0] = np.sqrt(np.maximum(rotor_thrusts, 0.0))
 
     def command(self) -> tuple[Floats, Floats]:
         """One control step, from the state seen.
@@ -154,6 +155,16 @@ class OneFlight:
     @property
     def _told(self) -> tuple[Job, Settings]:
         return self._batch.job, self._batch.settings
+
+
+def _allocate_vehicle(rotors: int) -> VehicleState:
+    """Memory of a vehicle, with room for all of its rotors."""
+    memory = allocate_vehicle_state(1, np.float64)
+    if rotors <= PLAIN_ROTORS:
+        return memory
+    state = aligned_zeros((13 + rotors, 1), np.float64)
+    state[: len(memory.state)] = memory.state
+    return memory._replace(state=state)
 
 
 class _Functions(NamedTuple):

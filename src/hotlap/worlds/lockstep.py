@@ -96,6 +96,7 @@ class Lockstep:
         self._simulator, self._clock, self._queue, self._has_flown = simulator, clock, queue, has_flown
         self._drones = [OneFlight(batch.with_dead_time(clock.delay_periods)) for _ in range(simulator.lanes)]
         self._flights: list[int | None] = [None] * simulator.lanes
+        self._rotors = batch.settings.rotors
         self._factors = np.ones(simulator.lanes)
         self._hover = np.tile([batch.settings.gravity, 0.0, 0.0, 0.0], (simulator.lanes, 1))
 
@@ -179,7 +180,7 @@ class Lockstep:
         count = len(self._flights)
         states = np.array(self._simulator.states(), dtype=np.float64)
         thrusts = np.array(self._simulator.rotor_thrusts(), dtype=np.float64)
-        if states.shape != (count, 13) or thrusts.shape != (count, 4):
+        if states.shape != (count, 13) or thrusts.shape != (count, self._rotors):
             raise SimulatorError(f"states of shape {states.shape} and rotor thrusts of shape {thrusts.shape} are none of {count} drones")
         whole = np.array([bool(np.isfinite(state).all()) for state in states])
         states[~whole, :3] = np.nan

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -11,8 +13,10 @@ from numpy.typing import NDArray
 from hotlap.flight.kernel_cache import keep
 from hotlap.flight.lanes import as_numbers, borrow
 from hotlap.flight.numbers import COMPILE
-from hotlap.flight.plant import THRUST_FACTOR, VehicleState, allocate_vehicle_state, autopilot_numbers, fly_period, vehicle_numbers
+from hotlap.flight.plant import THRUST_FACTOR, VehicleState
+from hotlap.flight.plants import allocator, plant_functions, plant_numbers
 from hotlap.flight.verdicts import TAKEN_OFF
+from hotlap.race.plant_kind import PLAIN, plant_kind_of
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import PLANT_STEP
 from hotlap.race.vehicle_parameters import vehicle_parameters_of
@@ -34,19 +38,22 @@ class PlantSimulator:
     step, scales_thrust = PLANT_STEP, True
 
     def __init__(self, quadrotor: Quadrotor, known_as: Quadrotor | None = None, floor: float = -math.inf, lanes: int = 1) -> None:
-        self.lanes, self._floor = lanes, floor
-        self._hover = math.sqrt(quadrotor.mass * (known_as or quadrotor).gravity / 4)
+        known = known_as or quadrotor
+        self.lanes, self._floor, self._rotors = lanes, floor, quadrotor.rotor_count
+        self._hover = math.sqrt(quadrotor.mass * known.gravity / 4)
         self._grounded = np.zeros(lanes, dtype=bool)
-        self._drones = [allocate_vehicle_state(1, np.float64) for _ in range(lanes)]
+        self._settle, self._fly = _functions(plant_kind_of(quadrotor))
+        self._drones = [allocator(quadrotor)(1, np.float64) for _ in range(lanes)]
+        vehicle, autopilot = plant_numbers(vehicle_parameters_of(quadrotor)[None], quadrotor, known)
         for drone in self._drones:
-            drone.vehicle[:, 0] = vehicle_numbers(vehicle_parameters_of(quadrotor)[None], quadrotor.layout)[0]
-            drone.autopilot[:, 0] = autopilot_numbers(known_as or quadrotor)
+            drone.vehicle[:, 0], drone.autopilot[:, 0] = vehicle[0], autopilot
             drone.disturbance[THRUST_FACTOR], drone.step[:] = 1, PLANT_STEP
 
     def reset(self, lane: int, start: Start) -> None:
         """Place a drone, its rotors as in hover."""
         drone = self._drones[lane]
         drone.state[:13, 0], drone.state[13:, 0] = start.state, self._hover
+        self._settle(drone, 0)
         drone.disturbance[THRUST_FACTOR, 0] = start.thrust_factor
         self._grounded[lane] = start.state[2] <= self._floor + TAKEN_OFF
 
@@ -55,7 +62,7 @@ class PlantSimulator:
         steps = round(duration / PLANT_STEP)
         for lane, (drone, command) in enumerate(zip(self._drones, commands, strict=True)):
             drone.acting[:, 0] = command
-            _fly(drone, steps)
+            self._fly(drone, steps)
             if self._grounded[lane]:
                 self._stand(lane)
 
@@ -64,8 +71,8 @@ class PlantSimulator:
         return np.array([drone.state[:13, 0] for drone in self._drones])
 
     def rotor_thrusts(self) -> Floats:
-        """Shape (L, 4) [N]."""
-        return np.array([drone.state[13:, 0] ** 2 for drone in self._drones])
+        """Shape (L, rotors) [N]."""
+        return np.array([drone.state[13 : 13 + self._rotors, 0] ** 2 for drone in self._drones])
 
     def close(self) -> None:
         """Nothing is held."""
@@ -78,9 +85,18 @@ class PlantSimulator:
         self._grounded[lane] = state[2, 0] <= self._floor + TAKEN_OFF
 
 
-def _period(vehicle: VehicleState, steps: int) -> None:
-    """Fly so many steps under one command."""
-    fly_period(as_numbers(borrow(vehicle), 0), steps)
+@cache
+def _functions(kind: str) -> tuple[Any, Any]:
+    """Two compiled functions of a kind of plant: make a drone ready for a flight, and fly so many steps under one command."""
+    plant = plant_functions(kind)
+    settle, fly_period, name = plant.settle, plant.fly_period, "" if kind == PLAIN else f"-{kind}"
 
+    def settle_one(vehicle: VehicleState, lane: int) -> None:
+        """Rotors hover, and the rate loop remembers rest."""
+        settle(vehicle, lane)
 
-_fly = keep(njit(**COMPILE)(_period), "one-period")
+    def period(vehicle: VehicleState, steps: int) -> None:
+        """Fly so many steps under one command."""
+        fly_period(as_numbers(borrow(vehicle), 0), steps)
+
+    return keep(njit(**COMPILE)(settle_one), f"one-settle{name}"), keep(njit(**COMPILE)(period), f"one-period{name}")

@@ -64,7 +64,7 @@ class Simulator(Protocol):
         ...
 
     def rotor_thrusts(self) -> Floats:
-        """What the rotors give now, shape (L, 4) [N], in the order of the vehicle's layout; NaN where the simulator does not tell."""
+        """What the rotors give now, shape (L, rotors) [N], in the vehicle's order; NaN where the simulator does not tell."""
         ...
 
     def close(self) -> None:

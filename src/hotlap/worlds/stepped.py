@@ -66,7 +66,7 @@ class Stepped:
         flight = OneFlight(prepare_batch(scenario, scenario.space.first_guess(len(scenario.segments))[None], np.zeros(1, dtype=np.int64)))
         state = flight.begin(0)
         flight.command()
-        flight.judge(state, np.zeros(4))
+        flight.judge(state, np.zeros(scenario.race.vehicle.rotor_count))
         flight.lose()
 
     def open(self, scenario: Scenario) -> None:
