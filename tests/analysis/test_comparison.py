@@ -32,7 +32,7 @@ NAMES = ("random_search:paper", "metropolis_hastings:tied", "guided_walk:default
 @pytest.fixture(autouse=True)
 def straight(monkeypatch) -> None:
     """A world, a planner and segments that take no time."""
-    monkeypatch.setattr(worlds, "build", lambda _: FakeWorld())
+    monkeypatch.setattr(worlds, "build", lambda *_: FakeWorld())
     monkeypatch.setattr(preparation, "plan", lambda *_, **__: make_scenario().reference)
     monkeypatch.setattr(
         preparation,

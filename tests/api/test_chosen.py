@@ -44,7 +44,7 @@ def world(here, monkeypatch):
     race = make_scenario().race
     save(here / "open.toml", race.model_copy(update={"planning": PlanningSettings(), "name": "open"}))
     made = Holding()
-    monkeypatch.setattr(worlds, "build", lambda _: made)
+    monkeypatch.setattr(worlds, "build", lambda *_: made)
     return made
 
 

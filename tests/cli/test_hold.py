@@ -41,7 +41,7 @@ class Weighed(Loud):
 
 @pytest.fixture(autouse=True)
 def weighed(faked, monkeypatch):  # noqa: ARG001  first all the others
-    monkeypatch.setattr(worlds, "build", lambda _: Weighed(name="fake"))
+    monkeypatch.setattr(worlds, "build", lambda *_: Weighed(name="fake"))
 
 
 def rates(rows) -> dict[str, float]:
