@@ -96,7 +96,7 @@ class Crazyflow:
 
     def advance(self, commands: Floats, duration: float) -> None:
         """Fly all lanes for a duration [s] under commands, shape (L, 4)."""
-        order = np.column_stack([commands[:, 1:], self._mass * commands[:, 0]])[:, None].astype(np.float32)
+        order: Any = np.column_stack([commands[:, 1:], self._mass * commands[:, 0]])[:, None].astype(np.float32)
         self._sim.data = self._step(self._sim.data, order, round(duration / STEP))
 
     def states(self) -> Floats:

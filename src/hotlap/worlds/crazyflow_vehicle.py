@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 import jax
 import jax.numpy as jnp
@@ -154,15 +154,16 @@ def place(data: SimData, lane: int, state: jax.Array, rotor_speed: float) -> Sim
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Without MuJoCo's remark about the scene's prefix, which it would also write into a file here."""
-    before, silent = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
+    settings = cast("Any", mujoco).MjLogConfig  # its stubs do not have it
+    before, silent = settings.get(), settings.get()
     silent.logto_console = silent.logto_file = False
-    mujoco.MjLogConfig.set(silent)
+    settings.set(silent)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)
             yield
     finally:
-        mujoco.MjLogConfig.set(before)
+        settings.set(before)
 
 
 def _lever(quadrotor: Quadrotor) -> float:
