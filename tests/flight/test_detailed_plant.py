@@ -19,6 +19,8 @@ from hotlap.race.vehicle_parameters import COLUMNS, scale, vehicle_parameters_of
 
 from .open_loop import REST, OpenLoop
 
+pytestmark = pytest.mark.check  # each kind of plant is compiled
+
 DRONE: dict[str, Any] = {"name": "box", "mass": 0.9, "inertia": (0.004, 0.006, 0.009), "arm": 0.2, "torque_ratio": 0.02}
 LEVER = 0.2 * np.sqrt(0.5)
 IN_X = ((LEVER, LEVER, 1.0), (LEVER, -LEVER, -1.0), (-LEVER, -LEVER, 1.0), (-LEVER, LEVER, -1.0))

@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from hotlap.dynamics.mixers import Mixer
 from hotlap.race.rate_loop import LIMITS, Output, RateLoop
 
 from .scenarios import fly, make_scenario
+
+pytestmark = pytest.mark.check  # each number of rotors is compiled
 
 ANGLES = 2 * np.pi * (np.arange(6) + 0.5) / 6
 SIX: dict[str, Any] = {

@@ -18,6 +18,8 @@ from worlds.airsim_plant import AIRSIM as VEHICLE
 from worlds.airsim_plant import Plant
 from worlds.airsim_server import Server
 
+pytestmark = pytest.mark.check  # whole races over a wire
+
 NOISE = {"thrust": 0.01, "rates": 0.02, "position": 0.03, "velocity": 0.03, "attitude": 0.01}
 
 
