@@ -3,6 +3,7 @@ import { chromium } from "playwright-core";
 
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const ALWAYS = ["--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const PATIENCE = 90000; // ms: a busy processor draws slowly
 const DRAWING = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
 /** A browser; without WebGL if so asked. */
@@ -13,6 +14,8 @@ export const launch = ({ drawing = true } = {}) =>
 export async function open(browser, address, { width, height, scheme, motion = "no-preference", script = true }) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: scheme, reducedMotion: motion, javaScriptEnabled: script });
   const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE);
+  page.setDefaultNavigationTimeout(PATIENCE);
   const [requests, complaints] = [[], []];
   page.on("request", (request) => requests.push(request.url()));
   page.on("pageerror", (error) => complaints.push(error.stack ?? String(error)));
@@ -31,7 +34,7 @@ export function checker() {
 }
 
 /** Waits until something holds, and says whether it came to hold. */
-export async function comes(page, condition, argument, timeout = 15000) {
+export async function comes(page, condition, argument, timeout = PATIENCE) {
   try {
     await page.waitForFunction(condition, argument, { timeout });
     return true;
