@@ -82,7 +82,7 @@ def test_the_page_follows_a_study_that_runs(tmp_path):
             assert browser.stdout is not None
             assert browser.stdout.readline().strip() == "ready"
             hotlap(*asked, "--budget", "12")
-            _, complaints = browser.communicate(timeout=60)
+            _, complaints = browser.communicate(timeout=240)
         finally:
             browser.kill()
             server.terminate()
