@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from types import MappingProxyType
 from typing import Any
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.errors import HotlapError
 from hotlap.system.blas_threads import one_thread_each
+from hotlap.system.environment import variables
 from hotlap.worlds.simulator import Simulator, SimulatorError, Start
 
 Floats = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Separate:
         context = multiprocessing.get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs, opened, arguments), daemon=True)
-        with one_thread_each(), _variables(environment):
+        with one_thread_each(), variables(environment):
             self._process.start()
         theirs.close()
         self._seen: tuple[Floats, Floats] = (np.empty((0, 13)), np.empty((0, 4)))
@@ -88,21 +88,6 @@ class Separate:
             self.close()
             raise answer
         return answer
-
-
-@contextmanager
-def _variables(environment: Mapping[str, str]) -> Iterator[None]:
-    """Processes that are started within it have these variables in their environment."""
-    before = {name: os.environ.get(name) for name in environment}
-    os.environ.update(environment)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 def _serve(pipe: Connection, opened: Callable[..., Simulator], arguments: tuple[Any, ...]) -> None:
