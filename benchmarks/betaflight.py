@@ -18,11 +18,10 @@ import hotlap
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import End, Flights
 from hotlap.race.quadrotor import Quadrotor
-from hotlap.race.rate_loop import Mixer
 from hotlap.race.vehicle_parameters import vehicle_parameters_of
 from hotlap.reference.scenario import Scenario
 from hotlap.worlds.betaflight import open_simulator
-from hotlap.worlds.betaflight.gains import rate_loop_of
+from hotlap.worlds.betaflight.gains import as_flown
 from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.identification import RateLoopFit, identify_rate_loop
 from hotlap.worlds.simulator import Start
@@ -116,8 +115,7 @@ def compare(scenario: Scenario, weights: Parameters, fit: RateLoopFit, count: in
 def with_pid(scenario: Scenario) -> Scenario:
     """A scenario whose vehicle has a rate loop and a mixer after Betaflight's in the built-in world."""
     race = scenario.race
-    vehicle = race.vehicle.model_copy(update={"mixer": Mixer.BETAFLIGHT, "rate_loop": rate_loop_of(race.vehicle)})
-    return replace(scenario, race=race.model_copy(update={"vehicle": vehicle, "model": race.control_model}))
+    return replace(scenario, race=race.model_copy(update={"vehicle": as_flown(race.vehicle), "model": race.control_model}))
 
 
 def with_fit(vehicle: Quadrotor, fit: RateLoopFit) -> Quadrotor:

@@ -1,11 +1,11 @@
 """Does home predict abroad? Success in the built-in world against success elsewhere: python benchmarks/home_and_abroad.py --help
 
-Each race is tuned at home by the default tuner, once with its vehicle as the race has it and, where `--vehicle` says what a world makes
-of that vehicle, once with the description: plan, controller and what it knows stay the same. The default weights and the tuned ones are
-flown at home and in the other world, with the same noise, which no search has used. A description is a TOML file with keys of a quadrotor
-that differ (mixer, rate_loop, rate_delay, motor_time, ...): `--vehicle betaflight=FILE` for all races of a world, or
-`--vehicle betaflight/split-s=FILE` for one. Flights are kept in `--out`; the same command continues. To try it without another simulator:
-python benchmarks/home_and_abroad.py --pairs circle-34@home_and_abroad.Plant --flights 10
+Each race is tuned at home by the default tuner, once with its vehicle as the race has it and, where it is known what a world makes of that
+vehicle, once with that description: plan, controller and what it knows stay the same. The default weights and the tuned ones are flown at
+home and in the other world, with the same noise, which no search has used. Betaflight's rate loop and mixer are known (`as_flown`); for
+other worlds `--vehicle` says it, a TOML file with keys of a quadrotor that differ (mixer, rate_loop, motor_time, ...): `--vehicle
+airsim=FILE` for all races of a world, or `--vehicle airsim/split-s=FILE` for one. Flights are kept in `--out`; the same command continues.
+To try it without another simulator: python benchmarks/home_and_abroad.py --pairs circle-34@home_and_abroad.Plant --flights 10
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import argparse
 import hashlib
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -37,17 +37,23 @@ from hotlap.reference.scenario import Scenario
 from hotlap.system.journal import Journal
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune
 from hotlap.tuning.objective import Objective
+from hotlap.worlds.betaflight.gains import as_flown
 from hotlap.worlds.plant_simulator import PlantSimulator
 from hotlap.worlds.world import World
 
 HOME = "built-in"
 DEFAULT_SUITE, AIRSIM = ("circle-20", "circle-34", "drop-20", "qualifier-20"), ("airsim-circle-34", "airsim-drop-20", "airsim-qualifier-20")
 RACES = (*DEFAULT_SUITE, *AIRSIM, "split-s")
-PAIRS = (*((race, world) for world in ("rotorpy", "betaflight") for race in RACES), ("lsy-level0", "crazyflow"))
+WORLDS = ("rotorpy", "betaflight", "crazyflow")
+PAIRS = (*((race, world) for world in WORLDS for race in RACES), ("lsy-level0", "crazyflow"))
 FIRST_SEED = 4 * 10**12  # of flights that no search has flown
 CHUNK = 5  # flights that are kept together
 HOLDS = 0.95
-PLAIN, DESCRIBED = "as it was", "as it is"
+NEAR = 10  # points between home and abroad
+PLAIN, DESCRIBED = "as the race has it", "as it is there"
+
+Description = Callable[[Quadrotor], Quadrotor]  # a vehicle as a race has it -> as a world flies it
+KNOWN: Mapping[str, Description] = {"betaflight": as_flown}
 
 
 class Plant(PlantSimulator):
@@ -66,12 +72,12 @@ class Case:
     Attributes:
         race: its name, or a file.
         world: where it is flown besides at home.
-        description: a file with what the world makes of the vehicle; None: the vehicle as the race has it.
+        description: what the world makes of the vehicle; None: the vehicle as the race has it.
     """
 
     race: str
     world: str
-    description: Path | None = None
+    description: Description | None = None
 
     @property
     def vehicle(self) -> str:
@@ -84,19 +90,36 @@ class Case:
         race = load_race(self.race)
         if self.description is None:
             return race
-        changes = tomllib.loads(self.description.read_text(encoding="utf-8"))
-        vehicle = check(Quadrotor, {**race.vehicle.model_dump(exclude_unset=True), **changes}, str(self.description))
         planning = race.planning.model_copy(update={"quadrotor": race.planning_model})
-        return race.model_copy(update={"vehicle": vehicle, "model": race.control_model, "planning": planning})
+        update = {"vehicle": self.description(race.vehicle), "model": race.control_model, "planning": planning}
+        return race.model_copy(update=update)
 
 
 @dataclass(frozen=True)
 class Row:
-    """Flights of a case that passed every gate, and their mean error [m], by parameters ("default", "tuned") and place (home, world)."""
+    """Flights of a case by parameters ("default", "tuned") and place (home, world).
+
+    Attributes:
+        case: what was flown.
+        passed: flights that passed every gate.
+        errors: mean and largest distance from the reference [m] of those, the largest of the worst flight; NaN where none did.
+    """
 
     case: Case
     passed: Mapping[tuple[str, str], Validation]
-    errors: Mapping[tuple[str, str], float]
+    errors: Mapping[tuple[str, str], tuple[float, float]]
+
+    def apart(self, label: str) -> float:
+        """Points between home and abroad."""
+        return 100 * abs(self.passed[label, HOME].rate - self.passed[label, self.case.world].rate)
+
+    @property
+    def tuned_is_better(self) -> bool:
+        """Whether tuned parameters beat the default ones there: more flights pass, or as many with smaller errors, mean and largest."""
+        tuned, default = ((self.passed[label, self.case.world], self.errors[label, self.case.world]) for label in ("tuned", "default"))
+        if tuned[0].rate != default[0].rate:
+            return tuned[0].rate > default[0].rate
+        return tuned[1][0] <= default[1][0] and tuned[1][1] <= default[1][1]
 
 
 class Study:
@@ -120,8 +143,11 @@ class Study:
             parameters = self._tuned(case, home) if label == "tuned" else first_guess(home, label)
             for place, scenario in ((HOME, home), (case.world, abroad)):
                 found = self._flown(case, place, label, scenario, parameters)
-                passed[label, place] = Validation(len(found), sum(complete for complete, _ in found))
-                errors[label, place] = float(np.mean([error for _, error in found]))
+                complete = [flight for flight in found if flight[0]]
+                passed[label, place] = Validation(len(found), len(complete))
+                errors[label, place] = (np.nan, np.nan)
+                if complete:
+                    errors[label, place] = float(np.mean([mean for _, mean, _ in complete])), max(most for _, _, most in complete)
         return Row(case, passed, errors)
 
     def _tuned(self, case: Case, home: Scenario) -> Parameters:
@@ -138,8 +164,8 @@ class Study:
             _say(f"{case.race} tuned, vehicle {case.vehicle}, {run.flights} flights")
         return np.array(self._kept.done[key])
 
-    def _flown(self, case: Case, place: str, label: str, scenario: Scenario, parameters: Parameters) -> list[tuple[bool, float]]:
-        """Whether each flight passed every gate, and its mean error [m]."""
+    def _flown(self, case: Case, place: str, label: str, scenario: Scenario, parameters: Parameters) -> list[tuple[bool, float, float]]:
+        """Whether each flight passed every gate, and its mean and largest error [m]."""
         found = []
         for first in range(0, self._flights, CHUNK):
             seeds = FIRST_SEED + np.arange(first, min(first + CHUNK, self._flights), dtype=np.int64)
@@ -148,7 +174,7 @@ class Study:
             if key not in self._kept.done:
                 world = self._home if place == HOME else world_of(place, self._instances)
                 scores = Objective(scenario, world).fly(np.repeat(parameters[None], len(seeds), axis=0), seeds)
-                self._kept.add(key, [scores.complete.tolist(), scores.mean_error.round(4).tolist()])
+                self._kept.add(key, [x.tolist() for x in (scores.complete, scores.mean_error.round(4), scores.max_error.round(4))])
                 _say(f"{case.race} in {place}, {label}: {first + len(seeds)} of {self._flights} flights")
             found += zip(*self._kept.done[key], strict=True)
         return found
@@ -161,34 +187,39 @@ def world_of(name: str, instances: int) -> World:
 
 
 def table(rows: Sequence[Row]) -> Iterator[str]:
-    """Lines of the table: successes in per cent with their interval, mean errors in metres."""
-    yield "| race | world | vehicle at home | default: home % | there % | tuned: home % | there % | error tuned: home m | there m |"
-    yield "|---" * 9 + "|"
+    """Lines of the table: successes in per cent with their interval; mean and largest errors in metres."""
+    yield "| race | world | vehicle at home | default: home % | there % | there m | tuned: home % | there % | home m | there m |"
+    yield "|---" * 10 + "|"
     for row in rows:
-        places = [(label, place) for label in ("default", "tuned") for place in (HOME, row.case.world)]
-        shares = [_percent(row.passed[key]) for key in places]
-        errors = [f"{row.errors[key]:.2f}" for key in places[2:]]
-        yield f"| {' | '.join([Path(row.case.race).stem, row.case.world, row.case.vehicle, *shares, *errors])} |"
+        world = row.case.world
+        cells = [_percent(row.passed["default", HOME]), _percent(row.passed["default", world]), _metres(row.errors["default", world])]
+        cells += [_percent(row.passed["tuned", HOME]), _percent(row.passed["tuned", world])]
+        cells += [_metres(row.errors["tuned", HOME]), _metres(row.errors["tuned", world])]
+        yield f"| {' | '.join([Path(row.case.race).stem, world, row.case.vehicle, *cells])} |"
 
 
 def summary(rows: Sequence[Row]) -> Iterator[str]:
-    """How far home is from abroad, for each description of the vehicle."""
-    for vehicle in (PLAIN, DESCRIBED):
-        mine = [row for row in rows if row.case.vehicle == vehicle]
-        pairs = [(row.passed[label, HOME].rate, row.passed[label, row.case.world].rate) for row in mine for label in ("default", "tuned")]
-        if not pairs:
-            continue
-        held = [there for home, there in pairs if home >= HOLDS]
-        apart = np.mean([abs(home - there) for home, there in pairs])
-        yield (
-            f"vehicle {vehicle}: {sum(there >= HOLDS for there in held)} of {len(held)} that succeed in {100 * HOLDS:.0f} % of the flights "
-            f"at home do so there; home and there are {100 * apart:.0f} points apart on average ({len(pairs)} sets of parameters)"
-        )
+    """How far home is from abroad, with each vehicle as well described as is known, and whether tuning pays there."""
+    best = {(row.case.race, row.case.world): row for row in sorted(rows, key=lambda row: row.case.description is not None)}.values()
+    for label in ("tuned", "default"):
+        near = [row for row in best if row.apart(label) <= NEAR]
+        yield f"{label}: home and abroad at most {NEAR} points apart in {len(near)} of {len(best)} pairs of race and world"
+        held = [row for row in best if row.passed[label, HOME].rate >= HOLDS]
+        there = [row for row in held if row.passed[label, row.case.world].rate >= HOLDS]
+        yield f"{label}: {len(there)} of {len(held)} that hold in {100 * HOLDS:.0f} % of the flights at home do so there"
+    flown = [row for row in best if any(row.passed[label, row.case.world].successes for label in ("default", "tuned"))]
+    beaten = [f"{row.case.race} in {row.case.world}" for row in flown if not row.tuned_is_better]
+    better = len(flown) - len(beaten)
+    yield f"tuned better than default in {better} of {len(flown)} pairs that either flies there; not: {', '.join(beaten) or '-'}"
 
 
 def _percent(validation: Validation) -> str:
     low, high = validation.interval
     return f"{100 * validation.rate:.0f} [{100 * low:.0f}, {100 * high:.0f}]"
+
+
+def _metres(errors: tuple[float, float]) -> str:
+    return "-" if np.isnan(errors[0]) else f"{errors[0]:.2f}, {errors[1]:.2f}"
 
 
 def _digest(*values: Any) -> str:
@@ -199,7 +230,7 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _cases(pairs: Sequence[tuple[str, str]], descriptions: Mapping[str, Path]) -> Iterator[Case]:
+def _cases(pairs: Sequence[tuple[str, str]], descriptions: Mapping[str, Description]) -> Iterator[Case]:
     """Each pair, and once more where the vehicle is described as the world has it."""
     for race, world in pairs:
         yield Case(race, world)
@@ -213,9 +244,14 @@ def _pair(text: str) -> tuple[str, str]:
     return race, world
 
 
-def _description(text: str) -> tuple[str, Path]:
+def _description(text: str) -> tuple[str, Description]:
     where, _, file = text.partition("=")
-    return where, Path(file)
+    return where, partial(_with_keys, Path(file))
+
+
+def _with_keys(file: Path, vehicle: Quadrotor) -> Quadrotor:
+    """A vehicle with the keys of a file."""
+    return check(Quadrotor, {**vehicle.model_dump(exclude_unset=True), **tomllib.loads(file.read_text(encoding="utf-8"))}, str(file))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -230,7 +266,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     rows = []
     with Journal.opened(options.out, digest_code(Path(__file__))) as kept:
         study = Study(kept, options.flights, options.instances)
-        for case in _cases(options.pairs, dict(options.vehicle)):
+        for case in _cases(options.pairs, {**KNOWN, **dict(options.vehicle)}):
             try:
                 rows.append(study.row(case))
             except InputError as error:  # a world that is not installed

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from hotlap.dynamics.mixers import Mixer
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.rate_loop import LIMITS, Output, RateLoop
 from hotlap.worlds.betaflight.settings import IDLE
@@ -56,6 +57,11 @@ def rate_loop_of(quadrotor: Quadrotor) -> RateLoop:
         output=Output.SPEED,
         idle=IDLE,
     )
+
+
+def as_flown(quadrotor: Quadrotor) -> Quadrotor:
+    """The quadrotor as the built-in world must know it to fly as the firmware flies it: with `rate_loop_of` and Betaflight's mixer."""
+    return quadrotor.model_copy(update={"mixer": Mixer.BETAFLIGHT, "rate_loop": rate_loop_of(quadrotor)})
 
 
 def _times(unit: float, both: tuple[int, int], yaw: int) -> tuple[float, float, float]:
