@@ -6,6 +6,7 @@ reference, noise and judge are not counted. The peak is that of independent mult
 
 from __future__ import annotations
 
+import argparse
 import time
 from collections.abc import Callable
 
@@ -93,6 +94,7 @@ def peak(numbers: Numbers) -> float:
 
 def main() -> None:
     """Print the tables."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     scenario = prepare(RACE)
     parts = operations(scenario)
     total = sum(count * times for _, count, times in parts)

@@ -8,6 +8,7 @@ no controller; hotlap simulates the plant with controller, noise and judge.
 
 from __future__ import annotations
 
+import argparse
 import os
 
 os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")  # before numpy is loaded
@@ -136,6 +137,7 @@ def seconds(work: Callable[[], None]) -> float:
 
 def main() -> None:
     """Print the tables."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     scenario = prepare(RACE)
     first = scenario.space.first_guess(len(scenario.segments))[None]
     log = fly_batch(scenario, first, np.zeros(1, dtype=np.int64), numbers=Numbers.FLOAT64, log=[0])[0].logs[0]

@@ -19,11 +19,13 @@ from hotlap.files.descriptions import load_quadrotor
 from hotlap.race.quadrotor import RotorLayout
 from hotlap.worlds.betaflight import built, console
 from hotlap.worlds.betaflight.console import configured
+from hotlap.worlds.betaflight.gains import as_flown
 from hotlap.worlds.betaflight.link import BOOT, Link
 from hotlap.worlds.betaflight.settings import Line, configuration, read_lines
 from hotlap.worlds.betaflight.simulator import Betaflight
 from hotlap.worlds.betaflight.sticks import resting
 from hotlap.worlds.identification import identify_rate_loop
+from hotlap.worlds.plant_simulator import PlantSimulator
 from hotlap.worlds.simulator import SimulatorError, Start
 from worlds.contract import PLAIN, SimulatorContract
 
@@ -357,3 +359,28 @@ def assert_gone(processes):
             break
         else:
             pytest.fail(f"process {process} is still there")
+
+
+@pytest.mark.parametrize("name", ["hummingbird", "five-inch"])
+def test_a_drone_as_flown_turns_at_home_as_it_does_with_the_firmware(name):
+    drone = load_quadrotor(name)
+    steps = np.random.default_rng(0).uniform(-3, 3, (40, 3)) * [1, 1, 0.4]
+    simulator = Betaflight(drone)
+    try:
+        there = rates_of(simulator, drone, steps)
+    finally:
+        simulator.close()
+    as_written, known = (rates_of(PlantSimulator(vehicle, vehicle, -np.inf), drone, steps) for vehicle in (drone, as_flown(drone)))
+    missed = [np.sqrt(np.mean((rates - there) ** 2, axis=0)) / there.std(axis=0) for rates in (as_written, known)]
+    assert (missed[1][:2] < 0.8 * missed[0][:2]).all()  # roll and pitch
+    assert (missed[1] < 0.35).all()
+
+
+def rates_of(simulator, drone, steps):
+    """Body rates every 10 ms under steps of 50 ms, from hover."""
+    simulator.reset(0, Start(STATE))
+    rates = []
+    for step in np.repeat(steps, 5, axis=0):
+        simulator.advance(np.array([[drone.gravity, *step]]), 0.01)
+        rates.append(simulator.states()[0, 10:])
+    return np.array(rates)

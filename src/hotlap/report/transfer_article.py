@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hotlap.analysis.transfer import DEFAULT, TUNED, TransferFlight, TransferRow, metres
+from hotlap.analysis.transfer import DEFAULT, TransferFlight, TransferRow, metres
 from hotlap.core.counts import count
 from hotlap.report.article import Article
 from hotlap.system.journal import Journal
@@ -90,19 +90,22 @@ def errors_of(row: TransferRow, quantity: Callable[[TransferFlight], float]) -> 
 
 
 def changes(rows: Sequence[TransferRow]) -> Iterator[str]:
-    """For each world a sentence: what tuning changed there. Errors are compared where all flights are whole."""
-    found = {(row.world, row.label): row for row in rows}
-    for world in dict.fromkeys(row.world for row in rows):
-        tuned, default = found.get((world, TUNED)), found.get((world, DEFAULT))
-        if tuned is None or default is None:
+    """For each world, and each set of parameters beside the default one, a sentence: what tuning changed there.
+
+    Errors are compared where all flights are whole.
+    """
+    defaults = {row.world: row for row in rows if row.label == DEFAULT}
+    for tuned in rows:
+        default = defaults.get(tuned.world)
+        if default is None or tuned is default:
             continue
         if tuned.complete.rate == default.complete.rate == 1:
             shares = [_change(getattr(tuned, name), getattr(default, name)) for name in ("mean_error", "max_error")]
-            yield f"{world}: tuned against default, mean error {shares[0]}, largest error {shares[1]} (means of the flights)"
+            yield f"{tuned.world}: {tuned.label} against default, mean error {shares[0]}, largest error {shares[1]} (means of the flights)"
         else:
             mine, others = tuned.complete, default.complete
-            flights = f"{mine.successes} of {count(mine.flights, 'flight')}"
-            yield f"{world}: {flights} pass every gate when tuned, {others.successes} of {others.flights} with the default parameters"
+            when_tuned = f"{mine.successes} of {count(mine.flights, 'flight')} pass every gate when {tuned.label}"
+            yield f"{tuned.world}: {when_tuned}, {others.successes} of {others.flights} with the default parameters"
 
 
 def endings(rows: Sequence[TransferRow]) -> Iterator[list[str]]:

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from hotlap.analysis.transfer import DEFAULT, TUNED, TransferRow, metres
 from hotlap.report.pictures import save
-from hotlap.report.style import BEST, FAILURE, FIRST, INK, NORMAL, QUIET, SMALL, headline, headline_width, place_axes, styled
+from hotlap.report.style import AGAIN, BEST, FAILURE, FIRST, INK, NORMAL, QUIET, SMALL, headline, headline_width, place_axes, styled
 
 Floats = NDArray[np.float64]
 
 BOXES, OVER_TIME = "error_boxes.png", "error_over_time.png"
 COLOURS: Mapping[str, str] = {DEFAULT: FIRST, TUNED: BEST}
 LEFT, RIGHT, TOP, BOTTOM = 0.7, 0.25, 0.85, 0.55  # inches
-PAIR, BOX_HEIGHT, BOX_WIDTH = 1.5, 2.8, 0.5  # inches a world, inches, of the distance between two boxes
+PAIR, FURTHER, BOX_HEIGHT, BOX_WIDTH = 1.5, 1.3, 2.8, 0.5  # inches a world, and for each set beyond two; inches; of two boxes' distance
 LONG, TALL, GAP = 7.2, 1.5, 0.32  # inches of a chart over time, and between two
 REACH = 3.0  # times the largest error of all flights that passed every gate: as far as the charts reach
 
@@ -47,7 +47,7 @@ def error_boxes(race: str, rows: Sequence[TransferRow]) -> Figure:
     """Tracking error of all control steps of all flights: a box for each set of parameters in each world."""
     names, labels = _worlds(rows), _labels(rows)
     title, detail = f"{race}: tracking error", "all control steps; box: quartiles and median, whiskers: 5 and 95 %, triangle: largest"
-    width = max(len(names) * PAIR, headline_width(title, detail, _key(labels)))
+    width = max(len(names) * (PAIR + FURTHER * max(len(labels) - 2, 0)), headline_width(title, detail, _key(labels)))
     figure = Figure(figsize=(LEFT + width + RIGHT, TOP + BOX_HEIGHT + BOTTOM))
     axes = place_axes(figure, LEFT, BOTTOM, width, BOX_HEIGHT)
     axes.grid(visible=True, axis="y")
@@ -148,11 +148,12 @@ def _worlds(rows: Sequence[TransferRow]) -> list[str]:
 def _labels(rows: Sequence[TransferRow]) -> list[str]:
     """Names of the sets of parameters: what was there first to the left."""
     names = dict.fromkeys(row.label for row in rows)
-    return sorted(names, key=lambda name: name == TUNED)
+    return sorted(names, key=lambda name: name != DEFAULT)
 
 
 def _colour(label: str) -> str:
-    return COLOURS.get(label, INK)
+    """The colour of a set of parameters; one that has none of its own is tuned otherwise."""
+    return COLOURS.get(label, AGAIN)
 
 
 def _key(labels: Sequence[str], mark: str = "■") -> list[tuple[str, str, str]]:
@@ -162,6 +163,6 @@ def _key(labels: Sequence[str], mark: str = "■") -> list[tuple[str, str, str]]
 
 def _passed(rows: Sequence[TransferRow], name: str) -> str:
     """A world, and below it how many flights passed every gate with each set."""
-    mine = sorted((row for row in rows if row.world == name), key=lambda row: row.label == TUNED)
+    mine = sorted((row for row in rows if row.world == name), key=lambda row: row.label != DEFAULT)
     shares = ", ".join(f"{row.complete.successes}/{row.complete.flights}" for row in mine)
     return f"{name}\nall gates: {shares}"
