@@ -18,6 +18,7 @@ from hotlap.files.descriptions import load_quadrotor
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.worlds import crazyflow, rotorpy
 from hotlap.worlds.crazyflow import Crazyflow
+from hotlap.worlds.plant_simulator import PlantSimulator
 from hotlap.worlds.separate import Separate
 from hotlap.worlds.simulator import SimulatorError, Start
 from worlds.contract import SimulatorContract
@@ -149,6 +150,22 @@ class TestVehicles:
         torque = quadrotor.torque_matrix @ simulator.rotor_thrusts()[0]
         assert np.argmax(np.abs(torque / quadrotor.inertia_vector)) == axis - 1
         assert torque[axis - 1] > 0
+
+    def test_its_own_drone_turns_as_our_description_says(self, place):
+        """To a seventh of what it turns; with the rate loop of the plain description it is several times as far off."""
+        there, drones = place(load_quadrotor("cf21b-500"), drone=OWN), [load_quadrotor(f"cf21b-500{end}") for end in ("-crazyflow", "")]
+        known, plain = (PlantSimulator(drone, drone, -np.inf) for drone in drones)
+        for plant in (known, plain):
+            plant.reset(0, Start(HIGH))
+        rates = []
+        for step in np.repeat(np.random.default_rng(0).uniform(-3, 3, (20, 3)) * [1, 1, 0.5], 5, axis=0):
+            for plant in (known, plain):
+                plant.advance(np.array([[9.81, *step]]), 0.01)
+            rates.append([advance(there, (9.81, *step), 0.01)[10:], known.states()[0, 10:], plain.states()[0, 10:]])
+        measured, ours, before = np.moveaxis(np.array(rates), 1, 0)
+        missed, missed_before = (np.sqrt(np.mean((x - measured) ** 2, axis=0)) / measured.std(axis=0) for x in (ours, before))
+        assert (missed < 0.15).all()
+        assert (missed_before > 3 * missed).all()
 
     def test_a_lane_that_is_placed_leaves_the_others_where_they_are(self, place):
         simulator = place(load_quadrotor("hummingbird"))
