@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -66,3 +68,13 @@ def test_one_that_is_lost_says_so(manner, says):
 def test_one_that_cannot_be_opened_says_why():
     with pytest.raises(SimulatorError, match="there is no such drone"):
         Separate(Recorder, "closed")
+
+
+def test_a_program_needs_no_guard(tmp_path):
+    """Nothing of it is loaded again for the simulator's process."""
+    (tmp_path / "simple.py").write_text(
+        "from hotlap.worlds.separate import Separate\nfrom worlds.test_separate import Recorder\nprint('once', Separate(Recorder).lanes)\n"
+    )
+    ran = subprocess.run([sys.executable, "simple.py"], cwd=tmp_path, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+                         capture_output=True, text=True, check=False)  # fmt: skip
+    assert (ran.stdout, ran.stderr) == ("once 2\n", "")

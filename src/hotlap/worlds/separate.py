@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-import multiprocessing
+import os
 import signal
+import socket
+import subprocess
+import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection
@@ -21,10 +24,11 @@ from hotlap.worlds.simulator import Simulator, SimulatorError, Start
 Floats = NDArray[np.float64]
 
 OPENING, TIMEOUT = 900.0, 120.0  # s that an answer may take; opening imports and compiles what it needs
+PROGRAM = "import sys; from hotlap.worlds.separate import serve; serve(int(sys.argv[1]))"
 
 
 class Separate:
-    """A simulator in a process of its own.
+    """A simulator in a process of its own. A user's program needs no guard for that, as with `multiprocessing`: it is not loaded there.
 
     Args:
         opened: makes the simulator there; a function or class of a module, so that the process can find it.
@@ -39,12 +43,15 @@ class Separate:
     """
 
     def __init__(self, opened: Callable[..., Simulator], *arguments: Any, environment: Mapping[str, str] = MappingProxyType({})) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, opened, arguments), daemon=True)
-        with one_thread_each(), variables(environment):
-            self._process.start()
-        theirs.close()
+        ours, theirs = socket.socketpair()
+        found = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), **environment}
+        with theirs:
+            command = [sys.executable, "-c", PROGRAM, str(theirs.fileno())]
+            with one_thread_each(), variables(found):
+                self._process = subprocess.Popen(command, pass_fds=[theirs.fileno()])
+        self._pipe = Connection(ours.detach())
+        with suppress(OSError):  # one that has ended already says so below
+            self._pipe.send((opened, arguments))
         self._seen: tuple[Floats, Floats] = (np.empty((0, 13)), np.empty((0, 4)))
         self.lanes, self.step, self.scales_thrust = self._answer(OPENING)
 
@@ -68,7 +75,7 @@ class Separate:
         """End the process."""
         self._pipe.close()
         self._process.terminate()
-        self._process.join()
+        self._process.wait()
 
     def _ask(self, *what: Any) -> Any:
         try:
@@ -90,11 +97,13 @@ class Separate:
         return answer
 
 
-def _serve(pipe: Connection, opened: Callable[..., Simulator], arguments: tuple[Any, ...]) -> None:
-    """Do what is asked over a pipe until its other end is closed; Ctrl-C is left to the parent."""
+def serve(descriptor: int) -> None:
+    """Do what is asked over a socket until its other end is closed; Ctrl-C is left to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    pipe = Connection(descriptor)
     with suppress(EOFError, OSError):
         try:
+            opened, arguments = pipe.recv()
             simulator = opened(*arguments)
             pipe.send((simulator.lanes, simulator.step, simulator.scales_thrust))
             while True:
