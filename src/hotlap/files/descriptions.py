@@ -21,8 +21,8 @@ from hotlap.files.documented_keys import table_of
 from hotlap.files.error_messages import check, show
 from hotlap.files.kinds import Kind
 from hotlap.files.parameters_file import SavedParameters
-from hotlap.files.recognition import TYPES, kind_by_keys, refuse_other_kind, strangers
-from hotlap.files.toml_reader import read
+from hotlap.files.recognition import TYPES, kind_by_keys, refuse_description, refuse_other_kind, refuse_parameters, strangers
+from hotlap.files.toml_reader import ELSEWHERE, read
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.schema import Described
@@ -139,7 +139,9 @@ def load_parameters(path: str | Path) -> SavedParameters:
         raise InputError(str(path), "", f"cannot be read: {cause_of(error)}") from None
     if not present:
         raise InputError(str(path), "", "there is no such file")
-    return SavedParameters.from_table(read(path, str(path)), str(path))
+    table = read(path, str(path))
+    refuse_description(table, str(path))
+    return SavedParameters.from_table(table, str(path))
 
 
 def save_parameters(path: str | Path, parameters: SavedParameters) -> None:
@@ -194,11 +196,12 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
         found = next((path for path in candidates if path.exists()), None)
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(place.label, key, f"{show(reference)} is no usable path: {cause_of(error)}") from None
-    looks_like_path = "/" in reference or "\\" in reference or reference.endswith(".toml")
-    if found is not None and (looks_like_path or found.is_file()):
+    looks_like_path = "/" in reference or "\\" in reference or reference.lower().endswith((".toml", *ELSEWHERE))
+    has_ending = any(path.with_name(path.name + ".toml").is_file() for path in candidates if path.name)
+    if found is not None and (looks_like_path or found.is_file() or not has_ending):
         return found
     if not looks_like_path:
-        if any(path.with_name(path.name + ".toml").is_file() for path in candidates if path.name):
+        if has_ending:
             raise InputError(place.label, key, f"there is no {kind} named '{reference}'; the file is {reference}.toml")
         raise UnknownNameError(kind, reference, known, place.label, key)
     if place.label:
@@ -276,6 +279,7 @@ def _overlay(parent: Described | None, table: dict[str, Any], dropped: frozenset
 
 def _kind_of(table: dict[str, Any], place: _Place) -> Kind:
     """What a table describes, by the keys that only one kind has, or else by what it builds on."""
+    refuse_parameters(table, place.label)
     told = kind_by_keys(table)
     if told is not None:
         return told
