@@ -8,7 +8,8 @@ from __future__ import annotations
 import argparse
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn
@@ -208,13 +209,25 @@ def path(text: str) -> Path:
     return Path(text).expanduser() if text.startswith("~/") else Path(text)
 
 
-def one_of(kind: str, names: Sequence[str]) -> Callable[[str], str]:
-    """One of some names."""
+@dataclass(frozen=True)
+class OneOf:
+    """What takes one of some names.
 
-    def chosen(text: str) -> str:
+    Attributes:
+        kind: what they are names of.
+        names: all there are.
+    """
+
+    kind: str
+    names: Sequence[str]
+
+    def __call__(self, text: str) -> str:
         """The name, or what would have been right."""
-        if text not in names:
-            raise argparse.ArgumentTypeError(UnknownNameError(kind, text, names).reason)
+        if text not in self.names:
+            raise argparse.ArgumentTypeError(UnknownNameError(self.kind, text, self.names).reason)
         return text
 
-    return chosen
+
+def one_of(kind: str, names: Sequence[str]) -> OneOf:
+    """One of some names."""
+    return OneOf(kind, names)
