@@ -7,7 +7,9 @@ by a table. Whatever is referred to is read and checked by itself first.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files as package_files
 from importlib.resources.abc import Traversable
@@ -204,9 +206,20 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
         if has_ending:
             raise InputError(place.label, key, f"there is no {kind} named '{reference}'; the file is {reference}.toml")
         raise UnknownNameError(kind, reference, known, place.label, key)
+    hint = _meant(candidates[0], known)
     if place.label:
-        raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}")
-    raise InputError(reference, "", "there is no such file")
+        raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}{hint}")
+    raise InputError(reference, "", f"there is no such file{hint}")
+
+
+def _meant(path: Path, known: Any) -> str:
+    """What was probably meant by the path of a file that is not there; "" where nothing is near."""
+    if path.stem in known and path.parent == Path():
+        return f" ({path.stem} is built in: leave the ending away)"
+    with suppress(OSError):
+        near = get_close_matches(path.name, [one.name for one in path.parent.iterdir() if one.suffix == path.suffix], n=1)
+        return f" (did you mean {path.with_name(near[0])}?)" if near else ""
+    return ""
 
 
 def _refer(kind: Kind, value: Any, place: _Place, key: str, inherited: Described | None = None) -> Described:

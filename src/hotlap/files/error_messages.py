@@ -62,11 +62,17 @@ def check(description: type[D], table: Mapping[str, Any], source: str, prefix: s
     return checked
 
 
-def unknown_key(name: str, available: Sequence[str]) -> str:
-    """The message for an unknown key, with the nearest known one."""
+def unknown_key(name: str, available: Sequence[str], hint: str = "") -> str:
+    """The message for an unknown key, with the nearest known one, or another hint in its place."""
     near = get_close_matches(name, available, n=1)
-    hint = f" (did you mean {near[0]}?)" if near else ""
+    hint = hint or (f" (did you mean {near[0]}?)" if near else "")
     return f"there is no such key{hint}; available: {', '.join(available)}"
+
+
+def homes_of(description: type[Described], name: str) -> str:
+    """The tables within a description that have a key, "vehicle or model"; "" where none has it."""
+    tables = ((key.name, key.table) for key in documented_keys(description))
+    return " or ".join(home for home, table in tables if table is not None and name in table.model_fields)
 
 
 def show(value: Any) -> str:
@@ -111,7 +117,9 @@ def _word(fault: dict[str, Any], locations: list[Location], description: type[De
     if kind == "extra_forbidden":
         owner = _owner(description, location)
         available = [key.name for key in documented_keys(owner)] + ["base"] * ("name" in owner.model_fields)
-        return _write_location(location), unknown_key(str(location[-1]), available)
+        homes = homes_of(description, str(location[-1])) if len(location) == 1 else ""
+        hint = f" (it belongs into {homes})" if homes else ""
+        return _write_location(location), unknown_key(str(location[-1]), available, hint)
     if kind == "missing":
         return _missing(location, value, locations, description)
     if kind == "too_short":
