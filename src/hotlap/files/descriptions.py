@@ -217,8 +217,8 @@ def _meant(path: Path, known: Any) -> str:
     if path.stem in known and path.parent == Path():
         return f" ({path.stem} is built in: leave the ending away)"
     with suppress(OSError):
-        near = get_close_matches(path.name, [one.name for one in path.parent.iterdir() if one.suffix == path.suffix], n=1)
-        return f" (did you mean {path.with_name(near[0])}?)" if near else ""
+        near = get_close_matches(path.stem, [one.stem for one in path.parent.iterdir() if one.suffix == path.suffix], n=1)
+        return f" (did you mean {path.with_name(near[0] + path.suffix)}?)" if near else ""
     return ""
 
 
