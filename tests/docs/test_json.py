@@ -14,6 +14,8 @@ ROW = re.compile(r"^\| `(\w+)` \| (.*) \|$", re.MULTILINE)
 COMMANDS = {
     "races": [],
     "check": ["circle-34"],
+    "cache": [],
+    "completion": ["bash"],
     "new": ["track", "mine"],
     "import": [str(ROOT / "tests" / "importers" / "samples" / "mrs.yaml")],
     "plan": ["circle-34"],
@@ -56,3 +58,13 @@ def test_keys_that_can_be_relied_on_are_there(command, tmp_path, monkeypatch, ca
         capsys.readouterr()
     main([command, *COMMANDS[command], "--json"])
     assert documented()[command] <= keys_of(json.loads(capsys.readouterr().out))
+
+
+def test_every_figure_of_check_is_documented(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    figures = set()
+    for name in ("circle", "three-inch", "x500", "circle-34"):
+        main(["check", name, "--json"])
+        figures |= {figure for finding in json.loads(capsys.readouterr().out)["findings"] for figure in finding["figures"]}
+    said = set(re.findall(r"`(\w+)`", (DOCS / "commands.md").read_text(encoding="utf-8").split("| of | `figures` |")[1]))
+    assert figures - said == set()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from keyword import iskeyword
@@ -16,15 +17,22 @@ from hotlap.api.planning import plan
 from hotlap.api.transferring import transfer
 from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
-from hotlap.cli.parser import Parser, one_of, path, whole
+from hotlap.cli.parser import Parser, one_of, path, whole, wrapped
 from hotlap.files.kinds import Kind
 from hotlap.first_guess.names import DEFAULT
 from hotlap.report.formats import FORMATS as PICTURES
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.tuning.goal_forms import FORMS, LAP_TIME
 
+SHELLS = ("bash", "zsh", "fish")
 REPRODUCED = Path("runs/reproduced")
 FIRST_GUESS = Shown("NAME", "first guess", GUESSES)
+
+ABOUT = """From a list of gates to a tuned controller: plans the fastest flight through a race track, then tunes a quadrotor's
+model-predictive controller in simulated flights until it passes every gate."""
+OPTIONS = {"-h, --help": "show this help, or that of a command: hotlap tune --help", "--version": "show the version"}
+EVERY_COMMAND = """Every command takes --json, --verbose and --log-file FILE. Exit status: 0 success, 1 the work failed (goal not
+reached, no plan), 2 bad input."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +56,8 @@ class Command:
         parser = Parser(f"hotlap {name}", self.summary, self.examples)
         self.add(parser)
         parser.add_argument("--json", action="store_true", help="print one JSON document instead of text for people")
+        parser.add_argument("--verbose", action="store_true", help="say what is done, with times; of an error, where it arose")
+        parser.add_argument("--log-file", type=path, metavar="FILE", help="append everything that is said to this file, with times")
         return parser
 
 
@@ -165,6 +175,14 @@ def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
 
+def _cache(parser: Parser) -> None:
+    parser.add_argument("--clear", action="store_true", help="remove it")
+
+
+def _completion(parser: Parser) -> None:
+    parser.add_argument("shell", metavar="SHELL", type=one_of("shell", SHELLS), help=", ".join(SHELLS))
+
+
 COMMANDS: Mapping[str, Command] = {
     "races": Command("list the built-in races", "List the built-in races and what to expect of them.", _races, ()),
     "check": Command(
@@ -274,6 +292,19 @@ COMMANDS: Mapping[str, Command] = {
         _reproduce,
         ("hotlap reproduce experts", "hotlap reproduce all --quick --out runs/quick"),
     ),
+    "cache": Command(
+        "show or remove what is kept between runs",
+        "Say where plans and compiled code are kept between runs, and how large they are. All of it can be made again: a plan takes\n"
+        "seconds, the code of the flight core about twenty.",
+        _cache,
+        ("hotlap cache", "hotlap cache --clear"),
+    ),
+    "completion": Command(
+        "complete commands in a shell",
+        "Print what makes a shell complete commands, options, races, quadrotors, tracks and tuners when Tab is pressed.",
+        _completion,
+        ('eval "$(hotlap completion bash)"', 'eval "$(hotlap completion zsh)"', "hotlap completion fish | source"),
+    ),
     "bench": Command("measure the flight core", "Measure how fast the flight core flies on this machine.", _bench, ()),
 }
 
@@ -284,21 +315,16 @@ def module_of(command: str) -> str:
 
 
 def overview() -> str:
-    """The help of `hotlap` itself."""
+    """The help of `hotlap` itself, as wide as the terminal."""
+    columns = shutil.get_terminal_size().columns - 1
     width = max(map(len, COMMANDS))
-    commands = "\n".join(f"  {name:<{width}}  {command.purpose}" for name, command in COMMANDS.items())
-    return f"""usage: hotlap COMMAND [ARGUMENTS]
-
-From a list of gates to a tuned controller: plans the fastest flight through a race track, then tunes a
-quadrotor's model-predictive controller in simulated flights until it passes every gate.
-
-commands:
-{commands}
-
-options:
-  -h, --help  show this help, or that of a command: hotlap tune --help
-  --version   show the version
-
-Every command takes --json. Exit status: 0 success, 1 the work failed (goal not reached, no plan), 2 bad input.
-To begin with: hotlap tune circle-34
-"""
+    beside = " " * (width + 4)
+    parts = [
+        "usage: hotlap COMMAND [ARGUMENTS]",
+        wrapped(ABOUT, columns),
+        "commands:\n" + "\n".join(wrapped(command.purpose, columns, beside, f"  {name:<{width}}  ") for name, command in COMMANDS.items()),
+        "options:\n" + "\n".join(wrapped(meaning, columns, " " * 14, f"  {option:<10}  ") for option, meaning in OPTIONS.items()),
+        wrapped(EVERY_COMMAND, columns),
+        "To begin with: hotlap tune circle-34",
+    ]
+    return "\n\n".join(parts) + "\n"

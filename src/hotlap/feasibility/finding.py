@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 
@@ -23,12 +24,15 @@ class Finding:
         value: the figure with its unit.
         remark: what it means, or "".
         level: how much it matters.
+        figures: the figures of `value` for programs, by names that end with their unit: `top_speed_m_per_s`; without one they are
+            shares or counts.
     """
 
     label: str
     value: str
     remark: str = ""
     level: Level = Level.FACT
+    figures: Mapping[str, float] = field(default_factory=dict)
 
 
 def note_if(condition: bool) -> Level:

@@ -266,10 +266,11 @@ def describe_margins(race: Race, reference: Reference, found: Sequence[Margin], 
     for one in found:
         told = explain(race, reference, one, planned=planned).removeprefix(f"{one.figure} ")
         remark = told or f"of the thrust that is needed, {one.place}"
-        yield Finding(f"- {one.condition.name}" if one.condition.changes else "thrust left", one.figure, remark, note_if(not one.enough))
+        label, figures = f"- {one.condition.name}" if one.condition.changes else "thrust left", {"thrust_margin": one.thrust}
+        yield Finding(label, one.figure, remark, note_if(not one.enough), figures)
     rates, tight = found[0].rates, found[0].rates < ALL
     remark = f"of the body rates that are needed{'; raise controller.rates' * tight}"
-    yield Finding("rates left", f"{rates:.2f}", remark, note_if(tight))
+    yield Finding("rates left", f"{rates:.2f}", remark, note_if(tight), {"rates_margin": rates})
 
 
 def place_of(race: Race, reference: Reference, time: float) -> str:
