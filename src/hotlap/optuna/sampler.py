@@ -36,7 +36,7 @@ class HotlapSampler(BaseSampler):
     The first trials are drawn at random; the tuner then begins at the best of them (give your own with `study.enqueue_trial`). Parameters
     that are not numbers, or not in every trial, are always drawn at random. A trial that fails or is pruned counts as worse than any
     other. Every tenth trial looks elsewhere, whatever the tuner: twenty of them lie in all twentieths of every range. Where one of them is
-    better than all that the tuner has tried, the tuner begins anew there.
+    clearly better than all that the tuner has tried, the tuner begins anew there.
 
     The whole state is in the study's storage: another process continues as this one would have, and several may work at once.
     With trials in parallel, guided_walk and gate_gp learn from all of them, and assume the median cost for those that have not ended. The
@@ -177,7 +177,7 @@ class HotlapSampler(BaseSampler):
                 tried.setdefault(note.origin, {}).setdefault((note.ask, note.place), (each, cost_of(each, sign)))
         best_elsewhere = min(self._found_elsewhere(trials, costs), default=math.inf)
         for origin, mine in tried.items():
-            if best_elsewhere < min([origin.best, *(cost for _, cost in mine.values())]):
+            if best_elsewhere < min([origin.best, *(cost for _, cost in mine.values())]) - origin.spread:
                 continue
             found = self._run(study, origin, box, trials).next(mine)
             if found is not None:
