@@ -12,6 +12,7 @@ from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose, telling
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.shown import Shown
 from hotlap.core.success_rate import Validation
 from hotlap.feasibility.demands import needed_vectors
 from hotlap.feasibility.margins import Margin, margin
@@ -25,8 +26,8 @@ FLIGHTS = 50  # under each condition
 HELD = 0.95  # share of successes from which on parameters hold under a condition
 
 
-@dataclass(frozen=True)
-class Robustness:
+@dataclass(frozen=True, repr=False)
+class Robustness(Shown):
     """Success rate of parameters under one condition.
 
     Attributes:

@@ -28,7 +28,8 @@ from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
 from hotlap.core.parameters import Parameters
-from hotlap.core.seeds import FLIGHTS_A_STREAM, Stream
+from hotlap.core.seeds import FLIGHTS_A_STREAM
+from hotlap.core.shown import Listed
 from hotlap.core.success_rate import Validation
 from hotlap.core.version import __version__
 from hotlap.feasibility.demands import advice
@@ -116,7 +117,7 @@ class TuningResult(Outcome):
     @property
     def causes(self) -> tuple[Diagnosis, ...]:
         """Why flights with the best parameters fail, the likeliest cause first; empty where they do not, or nothing was flown again."""
-        return self.robustness[0].causes if self.robustness else ()
+        return Listed(self.robustness[0].causes if self.robustness else ())
 
     @property
     def failures(self) -> Failures:
@@ -161,19 +162,8 @@ class TuningResult(Outcome):
     def rows(self) -> list[dict[str, Any]]:
         """A row for each flight of the study: search and confirmation in the order flown, then the validations."""
         with Study.read(self.folder) as study:
-            ledger = study.flights()
-        columns = {
-            "number": ledger.numbers.tolist(),
-            "stream": [Stream(stream).name.lower() for stream in ledger.streams.tolist()],
-            "seed": ledger.seeds.tolist(),
-            "completion": ledger.completion.tolist(),
-            "cost": ledger.cost.tolist(),
-            "lap_time": ledger.lap_time.tolist(),
-            "mean_error": ledger.mean_error.tolist(),
-            "max_error": ledger.max_error.tolist(),
-            "accepted": ledger.accepted.tolist(),
-        }
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+            records = study.flights().records()
+        return [{key: value for key, value in row.items() if key != "parameters"} for row in records]
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap tune --json`."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from hotlap.core.shown import Shown
+
 
 class Level(StrEnum):
     """How much a finding matters."""
@@ -14,8 +16,8 @@ class Level(StrEnum):
     WARNING = "warning"
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, repr=False)
+class Finding(Shown):
     """One line about a description.
 
     Attributes:

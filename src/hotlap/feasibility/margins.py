@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.shown import Shown
 from hotlap.feasibility.demands import HELD, needed_vectors, running_mean
 from hotlap.feasibility.finding import Finding, note_if
 from hotlap.race.battery import MOST_LOST
@@ -41,8 +42,8 @@ HOVERING = 1.15  # thrust-to-weight below which a plan makes no sense
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Margin:
+@dataclass(frozen=True, repr=False)
+class Margin(Shown):
     """What is there over what a reference needs, where that is least.
 
     Attributes:

@@ -19,6 +19,7 @@ from hotlap.core.ledger import Ledger, enter
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.shown import Shown
 from hotlap.core.success_rate import Validation
 from hotlap.reference.scenario import Scenario
 from hotlap.tuners.checked import checked
@@ -35,8 +36,8 @@ FEW = 4  # candidates of a population that are confirmed
 SCREENED = 48  # flights after which a validation of one may be given up
 
 
-@dataclass(frozen=True)
-class Request:
+@dataclass(frozen=True, repr=False)
+class Request(Shown):
     """Flights that a run wants flown.
 
     Attributes:
@@ -48,8 +49,8 @@ class Request:
     seeds: NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class Batch:
+@dataclass(frozen=True, repr=False)
+class Batch(Shown):
     """One pass of the loop: some candidates flown, confirmed, validated and reported to the tuner.
 
     Attributes:
