@@ -18,6 +18,7 @@ from hotlap.api.asked import command_line
 from hotlap.api.first_flights import Doom
 from hotlap.cli import main
 from hotlap.cli.output import finite
+from hotlap.cli.words import as_command
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.files.descriptions import load_parameters, load_race
 from hotlap.study.study import Study
@@ -136,6 +137,15 @@ def test_parameters_may_be_numbers(results):
     ("call", "given", "said"),
     [
         (hotlap.tune, {"budget": 0}, "budget: must be from 1 to"),
+        (hotlap.tune, {"budget": "many"}, "budget: must be a whole number, not 'many'"),
+        (hotlap.tune, {"budget": 20.5}, "budget: must be a whole number, not 20.5"),
+        (hotlap.tune, {"budget": True}, "budget: must be a whole number, not True"),
+        (hotlap.tune, {"goal": 1}, "goal: must be text, not 1"),
+        (hotlap.tune, {"reliability": None}, "reliability: must be a number, not None"),
+        (hotlap.tune, {"out": 3}, "out: must be text, a path or None, not 3"),
+        (hotlap.tune, {"hold": {"mas": "+5%"}}, "hold: 'mas=+5%': there is no quantity 'mas' (did you mean mass?)"),
+        (hotlap.fly, {"hold": 3}, "hold: must be text, a list or a dict, not 3"),
+        (hotlap.fly, {"parameters": hotlap}, "parameters: must be text, a path, an array or None, not a module"),
         (hotlap.tune, {"goal": "fast"}, "goal: 'fast' is no goal; write completion=1"),
         (hotlap.tune, {"goal": "lap_time", "samples": 3}, "samples: has no meaning for the goal lap_time, which looks for a plan"),
         (hotlap.tune, {"goal": "lap_time", "validation": 0}, "validation: must not be 0 for the goal lap_time"),
@@ -214,13 +224,15 @@ def test_what_is_interrupted_says_how_to_go_on(here):
     with pytest.raises(Stop) as stopped:
         hotlap.tune("straight.toml", seed=1, progress=Stopping())
     (note,) = stopped.value.__notes__
-    assert note.startswith("nothing is lost; go on with: hotlap tune straight.toml --seed 1 --out runs/straight-")
+    assert note.startswith("nothing is lost; go on with: hotlap.tune('straight.toml', seed=1, out='runs/straight-")
     with pytest.raises(Stop) as stopped:
         hotlap.tune(load_race("straight.toml"), out="mine", progress=Stopping())
     assert stopped.value.__notes__ == ["nothing is lost; go on with: the same call, out='mine'"]
     with pytest.raises(Stop) as stopped:
         hotlap.compare(["straight.toml"], out="c", progress=Stopping(), **COMPARED)
-    assert stopped.value.__notes__ == [f"nothing is lost; go on with: hotlap {' '.join(COMMANDS['compared'])}"]
+    (note,) = stopped.value.__notes__
+    assert note.startswith("nothing is lost; go on with: hotlap.compare(['straight.toml'], tuners='random_search', seeds=2, budget=")
+    assert as_command(note) == f"nothing is lost; go on with: hotlap {' '.join(COMMANDS['compared'])}"
 
 
 @pytest.mark.parametrize(

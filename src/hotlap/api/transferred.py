@@ -121,7 +121,7 @@ def _read(folder: Path) -> Snapshot:
     with Study.read(folder) as study:
         snapshot = read_snapshot(study)
     if not snapshot.finished:
-        raise StudyError(str(folder), "", f"holds a study that has not ended; hotlap tune --out {folder} goes on with it")
+        raise StudyError(str(folder), "", f"holds a study that has not ended; hotlap.tune(RACE, out={str(folder)!r}) goes on with it")
     return snapshot
 
 

@@ -264,7 +264,7 @@ def _begun_at_home(job: _Job, folder: Path) -> _Job:
 def _open_early(job: _Job) -> None:
     """Open a simulator before anything takes its time, so that one that cannot be opened is known at once."""
     assert isinstance(job.world, Stepped)  # noqa: S101  our own mistake
-    quiet = Asked(tune, {**vars(job.asked), "progress": None})
+    quiet = Asked(tune, {**vars(job.asked), "progress": False})
     scenario = make_scenario(job.race, quiet)
     with job.asked.progress.working(job.world.opening):
         job.world.capacity(scenario)

@@ -16,6 +16,7 @@ from pathlib import Path
 from hotlap.cli.arguments import COMMANDS, module_of, overview
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
+from hotlap.cli.words import as_command
 from hotlap.core.errors import HotlapError, InputError, UnknownNameError
 from hotlap.core.printable import printable
 from hotlap.core.version import __version__
@@ -113,7 +114,7 @@ def _show_each_once() -> Callable[..., None]:
 
 def _complain(message: str, status: int) -> int:
     """One line on standard error."""
-    sys.stderr.write(f"hotlap: {printable(message)}\n")
+    sys.stderr.write(f"hotlap: {printable(as_command(message))}\n")
     return status
 
 
