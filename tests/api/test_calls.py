@@ -62,6 +62,16 @@ def test_a_result_has_the_document_that_the_command_prints(results, capsys):
         assert differing <= {"wall_time", "study", "parameters", "report"}, name
 
 
+def handed_out(one, depth=2):
+    """All that a result hands out, and what that hands out in turn."""
+    for name in dir(one):
+        if name.startswith(("_", "model_")) or callable(value := getattr(one, name)):
+            continue
+        if isinstance(value, tuple | list) or type(value).__module__.startswith("hotlap."):
+            yield f"{type(one).__name__}.{name}", value
+            yield from handed_out(value, depth - 1) if depth else ()
+
+
 def test_a_result_is_one_or_two_lines_and_a_table_in_notebooks(results):
     for result in results.values():
         text = repr(result)
@@ -69,8 +79,48 @@ def test_a_result_is_one_or_two_lines_and_a_table_in_notebooks(results):
         assert len(text) < 400
         assert text.count("\n") <= 1
         assert result._repr_html_().startswith("<table>")
+        assert len(result._repr_html_()) < 400
     assert "completion=1 confirmed" in repr(results["tuned"])
     assert '<a href="mine/report.html">' in results["tuned"]._repr_html_()
+
+
+def test_all_that_a_result_hands_out_is_short_too(results):
+    for result in [*results.values(), hotlap.check("straight.toml"), hotlap.load_race("straight.toml"), hotlap.Study("mine")]:
+        long = {name: len(repr(value)) for name, value in handed_out(result) if len(repr(value)) >= 400}
+        assert not long
+        tables = {name: value._repr_html_() for name, value in handed_out(result) if hasattr(value, "_repr_html_")}
+        assert not {name for name, table in tables.items() if len(table) >= 400}
+
+
+def test_a_short_form_stays_short_in_a_deep_folder(here):
+    out = here / "/".join(["a-folder-with-a-long-name"] * 9)
+    tuned = hotlap.tune("straight.toml", seed=1, validation=20, out=out)
+    study = hotlap.Study(out)
+    for one in (tuned, study):
+        assert len(repr(one)) < 400
+        assert len(one._repr_html_()) < 400
+    study.close()
+    assert "closed" in repr(study)
+
+
+def test_lists_of_results_are_frames(results):
+    held = hotlap.fly("straight.toml", flights=5, seed=3)
+    frames = {
+        "runs": results["compared"].runs,
+        "tuners on races": results["compared"].by_race,
+        "tuners": results["compared"].overall,
+        "flights": held.flights,
+        "scores": held.scores,
+        "reference": results["planned"].reference,
+        "study": hotlap.Study("mine"),
+        "ledger": hotlap.Study("mine").flights(),
+    }
+    pytest.importorskip("pandas")
+    for name, value in frames.items():
+        frame = value.to_frame()
+        assert len(frame) == len(value.records()) > 0, name
+        assert not frame.columns.duplicated().any()
+    assert frames["study"].to_frame()["parameters"][0].shape == results["tuned"].values.shape
 
 
 def test_what_stands_in_a_table_is_no_markup(here):
