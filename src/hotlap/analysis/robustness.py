@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,13 @@ class Robustness(Shown):
     asked: bool = False
     margin: Margin | None = None
     causes: tuple[Diagnosis, ...] = ()
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON, in the keys of `robustness` of `hotlap tune --json`."""
+        (low, high), validation = self.validation.interval, self.validation
+        counts = {"flights": validation.flights, "successes": validation.successes, "rate": validation.rate}
+        about = {"margin": None if self.margin is None else self.margin.dump(), "causes": [cause.dump() for cause in self.causes]}
+        return {"change": self.change, "asked": self.asked, **counts, "low": low, "high": high, **about}
 
     @property
     def change(self) -> str:

@@ -98,8 +98,9 @@ def by_column(columns: Mapping[str, Iterable[Any]]) -> list[dict[str, Any]]:
 
 def flat(one: Any) -> dict[str, Any]:
     """One result as a row: what it dumps, or its attributes; what is nested gets dotted names."""
-    dump = getattr(one, "dump", None)
-    return dict(_leaves(dump() if callable(dump) else dict(_values(one)), ""))
+    dump, change = getattr(one, "dump", None), getattr(one, "change", None)
+    named = {} if change is None else {"change": change}
+    return dict(_leaves({**named, **(dump() if callable(dump) else dict(_values(one)))}, ""))
 
 
 def fitted(head: str, parts: Sequence[str], tail: str, between: str = ", ") -> str:

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,16 @@ class Margin(Shown):
     reserve: float = math.inf
     shrink: float = 1.0
     limit: float | None = None
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON, in the keys of `margin` of `hotlap tune --json`."""
+        names = ("thrust", "reserve", "available", "needed", "time", "place", "rates")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def change(self) -> str:
+        """What is different, in words."""
+        return self.condition.name
 
     @property
     def thrust(self) -> float:

@@ -146,12 +146,12 @@ class Study(Framed):
         asked = self.configuration
         begun = [("study", str(self.folder)), ("race", asked.scenario.race.name), ("tuner", asked.tuner)]
         if result is None:
-            return [*begun, ("flights", f"none of {asked.settings.budget}")]
+            return [*begun, ("budget", f"none of {asked.settings.budget} flights")]
         best = result.best
         state = f"{result.goal} {'confirmed' if best.confirmed else 'not confirmed'}, {100 * best.completion:.3g} % of the gates"
         page = self.folder / PAGE
         shown = [("page", str(page))] if page.is_file() else []
-        return [*begun, ("flights", f"{result.flights} of {asked.settings.budget}"), ("best", state), *shown]
+        return [*begun, ("budget", f"{result.flights} of {asked.settings.budget} flights"), ("best", state), *shown]
 
     def records(self) -> list[dict[str, Any]]:
         """A row for each flight; its parameters are an array, shape (S, K)."""
