@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+
 import numpy as np
 import optuna
 from optuna.samplers import RandomSampler, TPESampler
@@ -47,6 +49,7 @@ def median(sampler, make, trials):
 
 
 def main():
+    argparse.ArgumentParser(description=__doc__).parse_args()
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     samplers = {
         f"{tuner}, elsewhere={elsewhere}": lambda seed, tuner=tuner, elsewhere=elsewhere: HotlapSampler(

@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar, overload
+from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 from hotlap.core.errors import InputError
 
@@ -56,16 +56,6 @@ class Listed(tuple[Item, ...], Framed):
 
     __slots__ = ()
 
-    @overload
-    def __getitem__(self, key: int, /) -> Item: ...  # pyright: ignore[reportNoOverloadImplementation]
-
-    @overload
-    def __getitem__(self, key: slice, /) -> Listed[Item]: ...
-
-    def __getitem__(self, key: Any, /) -> Any:
-        found = super().__getitem__(key)
-        return Listed(found) if isinstance(key, slice) else found
-
     def __repr__(self) -> str:
         return fitted(f"<{_count(self)}{': ' if self else ''}", [_name(one) or brief(one) for one in self], ">", "; ")
 
@@ -100,7 +90,8 @@ def flat(one: Any) -> dict[str, Any]:
     """One result as a row: what it dumps, or its attributes; what is nested gets dotted names."""
     dump, change = getattr(one, "dump", None), getattr(one, "change", None)
     named = {} if change is None else {"change": change}
-    return dict(_leaves({**named, **(dump() if callable(dump) else dict(_values(one)))}, ""))
+    told: Mapping[str, Any] = dump() if callable(dump) else dict(_values(one))  # pyright: ignore[reportAssignmentType]
+    return dict(_leaves({**named, **told}, ""))
 
 
 def fitted(head: str, parts: Sequence[str], tail: str, between: str = ", ") -> str:
