@@ -16,11 +16,13 @@ from cli.fake_hotlap import MODULES, Loud
 from hotlap.api import first_flights, tuned
 from hotlap.api.asked import command_line
 from hotlap.api.first_flights import Doom
+from hotlap.api.given import hold_text
 from hotlap.cli import main
 from hotlap.cli.output import finite
 from hotlap.cli.words import as_command
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.files.descriptions import load_parameters, load_race
+from hotlap.race.hold import parse_hold
 from hotlap.race.schema import Described
 from hotlap.study.study import Study
 
@@ -149,6 +151,21 @@ def test_a_result_can_be_drawn(results, monkeypatch):
     monkeypatch.setitem(MODULES, "hotlap.report.comparison", None)
     monkeypatch.delitem(sys.modules, "hotlap.report.comparison")
     assert all(isinstance(results[name].plot(), Figure) for name in ("tuned", "planned", "compared"))
+    assert isinstance(hotlap.Study("mine").plot(), Figure)
+
+
+def test_a_tuning_can_be_exported_as_its_study_can(here):
+    assert here.is_dir()
+    tuned = hotlap.tune("straight.toml", seed=1, validation=20, out="mine")
+    exported = tuned.export("json", out="out.json")
+    assert [file.name for file in exported.files] == ["out.json"]
+    assert exported.rows() == hotlap.export("mine", "json", out="out.json").rows()
+
+
+@pytest.mark.parametrize("hold", ["mass=+-10%, wind=3", ["mass=+-10%", "wind=3"], {"mass": "+-10%", "wind": 3}])
+def test_conditions_are_a_text_a_list_or_a_dict(hold):
+    assert hold_text(hold) == "mass=+-10%, wind=3"
+    assert len(parse_hold(hold_text(hold))) == 3
 
 
 def test_paths_are_where_the_files_are(results):

@@ -16,6 +16,7 @@ from hotlap.analysis.remedies import Failures, failures_of, what_to_try
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
 from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, minutes_beside, plan_of
+from hotlap.api.exporting import export
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
 
     from hotlap.analysis.diagnosis import Diagnosis
     from hotlap.analysis.robustness import Robustness
+    from hotlap.api.exported import ExportedFiles
 
 HOME = "home"  # folder of what was tuned in the built-in world, within that of a study
 FASTEST = ("race.toml", Journal.file)  # written by the search for the fastest plan, which may not have ended
@@ -173,6 +175,18 @@ class TuningResult(Outcome):
         about["causes"] = [cause.dump() for cause in self.causes]
         said = {"notes": list(self.scenario.notes), "advice": list(self.advice), "plans": [plan.dump() for plan in self.plans]}
         return {**self.result.dump(), "wall_time": self.wall_time, **about, **said, **paths}
+
+    def export(self, format: str, out: str | Path | None = None) -> ExportedFiles:  # noqa: A002  as `hotlap.export` calls it
+        """The parameters, or the flights, in the files of another program, as `hotlap.export` writes them.
+
+        Args:
+            format: of which program.
+            out: file to write; None: one in the folder of the study.
+
+        Raises:
+            InputError: there is no such format, or it cannot hold these parameters.
+        """
+        return export(self.folder, format, out=out)
 
     def plot(self) -> Figure:
         """Completion and cost over the flights of the search."""
