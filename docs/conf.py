@@ -23,6 +23,7 @@ extensions = [
     "extensions.docstrings",
     "extensions.interface",
     "extensions.mathematics",
+    "extensions.notebooks",
     "extensions.pairs",
 ]
 exclude_patterns = ["extensions"]

@@ -26,6 +26,13 @@ def test_no_page_needs_the_network_to_be_read(built):
         assert not re.search(r"""<(script|link|img)\b[^>]*(src|href)=["'](https?:)?//""", text), page.name
 
 
+def test_the_notebook_is_a_page_with_its_outputs(built):
+    page = (built / "notebook.html").read_text(encoding="utf-8")
+    assert page.count('src="data:image/png;base64,') == 3
+    assert page.count('class="dataframe"') >= 5
+    assert "completion=1 confirmed" in page
+
+
 def test_formulas_have_become_mathml(built):
     for page in ("planning", "scoring", "proof"):
         text = (built / f"{page}.html").read_text(encoding="utf-8")

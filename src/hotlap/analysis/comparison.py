@@ -17,6 +17,7 @@ from hotlap import tuners, worlds
 from hotlap.analysis.robustness import check_robustness
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
+from hotlap.core.shown import Shown
 from hotlap.first_guess.guess import DEFAULT, first_guess
 from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import Condition
@@ -74,8 +75,8 @@ Group = tuple[Cell, ...]
 """Cells whose flights may be flown together: of one race, cut by one rule, in one world, all with dense costs or none."""
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(Shown):
     """One run of a tuner on a race, from the first guess to its validation.
 
     Attributes:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hotlap.analysis.comparison import Run
 from hotlap.analysis.statistics import bootstrap_interval, means, medians, performance_profile, performance_ratios, quartiles
+from hotlap.core.shown import Shown
 from hotlap.core.success_rate import wilson_interval
 
 Floats = NDArray[np.float64]
@@ -21,8 +22,8 @@ CHECKPOINTS = (50, 200, 1000)  # flights at which completion is looked at
 ALL = "all races"
 
 
-@dataclass(frozen=True)
-class Row:
+@dataclass(frozen=True, repr=False)
+class Row(Shown):
     """A tuner on a race; a run that never confirmed a candidate took infinitely many flights.
 
     Attributes:

@@ -20,6 +20,7 @@ from hotlap.api.scenarios import load, make_ready, make_scenario
 from hotlap.api.wording import percent
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
+from hotlap.core.shown import Listed
 from hotlap.first_guess.names import NAMES
 from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
@@ -62,14 +63,14 @@ class ComparisonResult(Outcome):
     pictures: tuple[Path, ...]
 
     @property
-    def by_race(self) -> list[Row]:
+    def by_race(self) -> Listed[Row]:
         """A row for each tuner on each race."""
-        return rows_of(self.runs)
+        return Listed(rows_of(self.runs))
 
     @property
-    def overall(self) -> list[Row]:
+    def overall(self) -> Listed[Row]:
         """A row for each tuner over all races, the best first."""
-        return overall(self.runs)
+        return Listed(overall(self.runs))
 
     def facts(self) -> dict[str, str]:
         """How often each tuner confirmed a candidate, over all races."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,8 +35,8 @@ def compare(
     controller: str | None = None,
     on: str = "built-in",
     instances: int = 1,
-    hold: str = "",
-    progress: Progress | None = None,
+    hold: str | Sequence[str] | Mapping[str, str] = "",
+    progress: Progress | bool | None = None,
 ) -> ComparisonResult:
     """Run tuners on races with the same first guess, budget, seeds and noise: all that `hotlap compare` does.
 
@@ -61,7 +61,7 @@ def compare(
         on: where to fly.
         instances: simulators that fly side by side, where that is a simulator.
         hold: conditions to fly each result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
-        progress: receives messages about the progress of the work; None: no messages.
+        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
 
     Returns:
         Every run, and a row for each tuner on each race.
