@@ -26,10 +26,10 @@ def _faked(faked):
 def test_it_prints_a_row_for_each_tuner_and_writes_the_table(hotlap, here):
     ran = hotlap(*ASKED)
     assert ran.code == 0
-    assert ran.out.count("random_search:paper") == 2
+    assert ran.out.count("random_search:paper") == 3
     assert "confirmed %" in ran.out
     assert "6 of 6 runs" in ran.err
-    assert (here / "c" / "table.md").read_text(encoding="utf-8").count("| metropolis_hastings:tied |") == 2
+    assert (here / "c" / "table.md").read_text(encoding="utf-8").count("| metropolis_hastings:tied |") == 3
     assert len((here / "c" / "runs.jsonl").read_text(encoding="utf-8").splitlines()) == 6
 
 
@@ -51,6 +51,15 @@ def test_the_document_has_what_is_promised(hotlap):
     assert set(promised.split()) <= set(row)
     assert 0 <= row["success_rate"] <= 1
     assert row["runs"] == 3
+    (pair,) = document["paired"]
+    assert (pair["tuner"], pair["pairs"]) == (document["overall"][0]["tuner"], 3)
+    assert set(pair["validated"]) == {"pairs", "value", "low", "high", "p"}
+
+
+def test_one_tuner_alone_is_compared_with_nobody(hotlap):
+    ran = hotlap(*ASKED, "--tuners", "random_search", "--json")
+    assert ran.document["paired"] == []
+    assert "against" not in hotlap(*ASKED, "--tuners", "random_search").out
 
 
 def test_the_same_command_flies_nothing_and_more_seeds_fly_what_is_missing(hotlap):

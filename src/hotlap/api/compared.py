@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hotlap import tuners, worlds
 from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of
 from hotlap.analysis.comparison_table import Row, cells_of, held_cells_of, markdown, overall, rows_of
+from hotlap.analysis.paired import Paired, paired, paired_cells
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.api.asked import Asked
 from hotlap.api.held import read_hold
@@ -71,6 +72,11 @@ class ComparisonResult(Outcome):
         """A row for each tuner over all races, the best first."""
         return overall(self.runs)
 
+    @property
+    def paired(self) -> list[Paired]:
+        """A row for each two tuners, compared race by race and seed by seed; the better one first."""
+        return paired(self.runs)
+
     def facts(self) -> dict[str, str]:
         """How often each tuner confirmed a candidate, over all races."""
         head = f"{count(len(self.tuners), 'tuner')} on {count(len(self.races), 'race')}, {count(self.seeds, 'seed')} each"
@@ -90,6 +96,7 @@ class ComparisonResult(Outcome):
             "seeds": self.seeds,
             "rows": [row.dump() for row in self.by_race],
             "overall": [row.dump() for row in self.overall],
+            "paired": [row.dump() for row in self.paired],
             "folder": str(self.folder),
             "page": None if self.page is None else str(self.page),
             "pictures": [str(path) for path in self.pictures],
@@ -196,7 +203,7 @@ def _budgets(text: str) -> Mapping[str, int]:
 def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
     """The tables and pictures."""
     both = overall(runs), rows_of(runs)
-    tables = [*map(cells_of, both), *filter(None, map(held_cells_of, both))]
+    tables = [*map(cells_of, both), *filter(None, [paired_cells(paired(runs)), *map(held_cells_of, both)])]
     (folder / TABLE).write_text("\n".join(map(markdown, tables)), encoding="utf-8")
     from hotlap.report.comparison import draw_comparison  # noqa: PLC0415  matplotlib takes half a second to load
 

@@ -6,6 +6,7 @@ from argparse import Namespace
 from collections.abc import Iterator
 
 from hotlap.analysis.comparison_table import cells_of, held_cells_of
+from hotlap.analysis.paired import paired_cells
 from hotlap.api.compared import ComparisonResult
 from hotlap.api.comparing import compare
 from hotlap.cli.options import arguments_of
@@ -26,6 +27,12 @@ def _lines(compared: ComparisonResult) -> Iterator[Line]:
     """Both tables, and what is where."""
     for rows in (compared.by_race, compared.overall):
         yield from table(cells_of(rows), right=RIGHT)
+        yield ""
+    best = compared.overall[0].tuner
+    against = paired_cells([row for row in compared.paired if row.tuner == best])
+    if against:
+        yield "the best against each other one, race by race and seed by seed; in brackets 95 % intervals, p corrected for the number of pairs"
+        yield from table(against, right=range(2, len(against[0])))
         yield ""
     for held in filter(None, map(held_cells_of, (compared.by_race, compared.overall))):
         yield "will it hold?"
