@@ -31,7 +31,7 @@ def _lines(compared: ComparisonResult) -> Iterator[Line]:
     best = compared.overall[0].tuner
     against = paired_cells([row for row in compared.paired if row.tuner == best])
     if against:
-        yield "the best against each other one, race by race and seed by seed; in brackets 95 % intervals, p corrected for the number of pairs"
+        yield "the best against each other one, race by race and seed by seed; in brackets 95 % intervals, p corrected for their number"
         yield from table(against, right=range(2, len(against[0])))
         yield ""
     for held in filter(None, map(held_cells_of, (compared.by_race, compared.overall))):
