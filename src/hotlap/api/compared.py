@@ -123,7 +123,7 @@ def carry_out(asked: Asked) -> ComparisonResult:
         jobs = ResumableJobs(folder, _processes(asked), asked.progress.pieces, asked.progress.note)
         runs = tuple(jobs.compare(cells, Flown()))
         pictures = _write(folder, runs, asked)
-        page = _write_page(folder, runs, pictures, asked)
+        page = _write_page(folder, runs, asked)
     return ComparisonResult(
         races=tuple(dict.fromkeys(cell.race.name for cell in cells)),
         tuners=tuple(dict.fromkeys(cell.tuner for cell in cells)),
@@ -214,12 +214,12 @@ def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
         return ()
 
 
-def _write_page(folder: Path, runs: Sequence[Run], pictures: Sequence[Path], asked: Asked) -> Path | None:
+def _write_page(folder: Path, runs: Sequence[Run], asked: Asked) -> Path | None:
     """The same as one page that opens anywhere."""
     from hotlap.report.comparison_article import compose_article  # noqa: PLC0415  only where there is something to show
 
     try:
-        replace(folder / PAGE, compose_article(runs, pictures, RunJournal.file, asked.command()).html)
+        replace(folder / PAGE, compose_article(runs, RunJournal.file, asked.command()).html)
     except (HotlapError, OSError) as error:
         asked.progress.note(f"note: no page: {error}")
         return None
