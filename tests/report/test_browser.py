@@ -12,7 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from comparisons import make_comparison
 from hall import make_hall
+from hotlap.report.comparison_article import compose_article
 from hotlap.report.page.writing import render
 from studies import begin, configure
 
@@ -87,6 +89,13 @@ def test_the_page_follows_a_study_that_runs(tmp_path):
             browser.kill()
             server.terminate()
     assert browser.returncode == 0, complaints
+
+
+def test_the_page_of_a_comparison_can_be_read_sorted_and_sifted_at_any_size_and_in_the_dark(tmp_path):
+    page = tmp_path / "comparison.html"
+    page.write_text(compose_article(make_comparison(), "runs.jsonl", f"hotlap compare {'a-long-name-' * 12}").html, encoding="utf-8")
+    drive("browser/comparison.mjs", str(page), str(tmp_path / "pictures"))
+    assert len(list((tmp_path / "pictures").iterdir())) == 4
 
 
 def start(*words: str) -> subprocess.Popen[str]:

@@ -54,8 +54,8 @@ def _add_charts(article: Article, runs: Sequence[Run], races: Sequence[str]) -> 
     article.head("Flight by flight")
     quartiles = ", the band its quartiles" if len(looks) <= BAND_UP_TO else ""
     article.say(
-        "Completion of the best candidate so far, each flight at its own number, from that of the first guess on; it falls where the best one "
-        "fails when it is flown again. "
+        "Completion of the best candidate so far, each flight at its own number, from that of the first guess on; it falls where the best "
+        "one fails when it is flown again. "
         f"The line is the median over seeds{quartiles}. Lines that coincide lie side by side, the first tuner on top."
     )
     charts = element("div", "".join(curve_chart(curves_of(race, runs), looks) for race in races), class_="charts")
