@@ -39,7 +39,7 @@ async function inspect(name, { page, requests, complaints }) {
   const chart = page.locator(".charts .chart", { hasText: "all alike" });
   await chart.scrollIntoViewIfNeeded();
   const counts = await countPixels(page, chart, await lineColours(page));
-  check(counts.every((count) => count > 40), `${name}: lines that coincide are all seen (${counts.join(", ")} pixels)`);
+  check(counts.every((count) => count > 120), `${name}: lines that coincide are all seen (${counts.join(", ")} pixels)`);
   const named = await page.locator(".chart svg").evaluateAll((charts) => charts.every((svg) => svg.querySelectorAll("text.name").length === 2));
   check(named, `${name}: both axes of every chart have a name`);
   check((await page.locator(".legend").count()) === 1, `${name}: there is one key`);
