@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 
 from cli import fake_hotlap
+from hotlap.api import compared
+from hotlap.files.descriptions import Kind, load_race, names
 
 BOTH = "random_search,metropolis_hastings"
 ASKED = f"compare straight.toml --tuners {BOTH} --seeds 3 --budget 40 --jobs 1 --out c".split()
@@ -136,6 +138,7 @@ def test_a_name_of_before_that_is_given_twice_is_said_once(hotlap):
         (["--seeds", "0"], "--seeds: must be from 1 to 100000, not 0"),
         (["--jobs", "-1"], "--jobs: must not be negative"),
         (["--out", "straight.toml"], "straight.toml: is a file, not the folder of a comparison"),
+        (["--races", "lunar"], "--races: there is no set of races named 'lunar'"),
         (["--on", "mars"], "there is no world named 'mars'"),
     ],
 )
@@ -154,6 +157,39 @@ def test_races_that_a_table_could_not_tell_apart_are_refused(hotlap, here):
     assert ran.err.splitlines()[-1].startswith("hotlap: straight.toml: name: 'straight' is the name of another race too")
     twice = hotlap("compare", "straight.toml", "straight.toml", *ASKED[2:], "--json")
     assert twice.document["races"] == ["straight"]
+
+
+QUICKLY = ["--tuners", "random_search", "--seeds", "1", "--budget", "2", "--validation", "1", "--jobs", "1", "--json", "--out", "c"]
+
+
+@pytest.fixture
+def everywhere(monkeypatch, here):
+    """Every race is the one that the fake world can fly, under its own name."""
+    race = load_race(here / "straight.toml")
+    monkeypatch.setattr(compared, "load", lambda name, _: race.model_copy(update={"name": str(name).removesuffix(".toml")}))
+
+
+@pytest.mark.usefixtures("everywhere")
+def test_patterns_and_sets_stand_for_races(hotlap):
+    assert hotlap("compare", "circle-*", "drop-20", *QUICKLY).document["races"] == ["circle-20", "circle-34", "drop-20"]
+    airsim = hotlap("compare", "circle-34", "--races", "airsim", *QUICKLY).document["races"]
+    assert airsim[0] == "circle-34"
+    assert len(airsim) == 1 + sum(name.startswith("airsim-") for name in names(Kind.RACE))
+    assert hotlap("compare", "--races", "airsim", *QUICKLY).document["races"] == airsim[1:]
+    assert hotlap("compare", "airsim", *QUICKLY).document["races"] == airsim[1:]
+
+
+def test_a_pattern_that_matches_no_race_is_one_line(hotlap):
+    ran = hotlap("compare", "circle-34", "circel-*", *QUICKLY)
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err == "hotlap: circel-*: matches no built-in race; hotlap races lists them\n"
+
+
+@pytest.mark.usefixtures("everywhere")
+def test_the_command_on_the_page_does_the_same_again(hotlap, here):
+    hotlap("compare", "straight.toml", "circle-*", "--races", "airsim", *QUICKLY)
+    page = (here / "c" / "comparison.html").read_text(encoding="utf-8")
+    assert "<code>hotlap compare straight.toml 'circle-*' airsim --tuners" in page
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])

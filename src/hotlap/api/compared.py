@@ -21,6 +21,9 @@ from hotlap.api.scenarios import load, make_ready, make_scenario
 from hotlap.api.wording import percent
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
+from hotlap.files.descriptions import names
+from hotlap.files.kinds import Kind
+from hotlap.files.suites import expand
 from hotlap.first_guess.names import NAMES
 from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
@@ -177,7 +180,10 @@ def _cells(asked: Asked) -> list[Cell]:
 
 def _races(asked: Asked) -> list[Race]:
     """Each race once; no two of one name."""
-    given = [asked.races] if isinstance(asked.races, Race | str | Path) else asked.races
+    listed = [asked.races] if isinstance(asked.races, Race | str | Path) else asked.races
+    given = [race for word in listed for race in (expand([word], names(Kind.RACE), "race") if isinstance(word, str) else [word])]
+    if not given:
+        raise InputError("", "races", "are none")
     distinct = [race for i, race in enumerate(given) if race not in given[:i]]
     races = [load(race, asked.controller) for race in distinct]
     for race, source in zip(races, distinct, strict=True):

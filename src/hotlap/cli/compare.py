@@ -18,6 +18,7 @@ RIGHT = range(2, 9)  # columns of numbers
 
 def run(options: Namespace) -> int:
     """Fly what is missing, and say how the tuners did."""
+    options.races = [*(options.races or ()), *([options.suite] if options.suite else ())]
     compared = compare(**arguments_of(compare, options), progress=TERMINAL)
     present(as_json=options.json, document=compared.to_dict(), lines=_lines(compared))
     return 0
