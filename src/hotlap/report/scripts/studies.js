@@ -45,19 +45,18 @@ function makeRow({ name, state, cells, values }) {
 
 function take({ version, rows, gone }) {
   const known = new Map([...body.rows].map((row) => [row.dataset.name, row]));
+  const held = document.activeElement?.closest("tbody tr")?.dataset.name;
   for (const name of gone) known.get(name)?.remove();
   for (const plain of rows) {
     const row = makeRow(plain);
     const before = known.get(plain.name);
-    if (before) {
-      const focused = before.contains(document.activeElement);
-      before.replaceWith(row);
-      if (focused) row.querySelector("a")?.focus();
-    } else body.append(row);
+    if (before) before.replaceWith(row);
+    else body.append(row);
   }
   body.dataset.version = version;
   sortRows(table);
   sift();
+  if (held !== undefined) [...body.rows].find((row) => row.dataset.name === held)?.querySelector("a")?.focus(); // a row that is moved lets go
 }
 
 async function ask() {
