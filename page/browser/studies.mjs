@@ -49,7 +49,7 @@ const before = await row.innerText();
 await row.locator("a").focus();
 console.log("ready");
 check(await comes(page, (text) => document.querySelector('tr[data-name="below/new"]').innerText !== text, before, 60000), "the table follows a study that goes on");
-check(await comes(page, () => document.querySelector('tr[data-name="below/new"]').dataset.state === "not confirmed", undefined, 60000), "to its end");
+check(await comes(page, () => document.querySelector('tr[data-name="below/new"]').dataset.state === "finished", undefined, 60000), "to its end");
 check((await page.locator("#sift").inputValue()) === "below" && (await names(page)).every((name) => name.startsWith("below")), "the words stay");
 check((await page.locator("th[aria-sort]").innerText()).includes("flights"), "the order stays");
 check(await page.evaluate(() => document.activeElement?.closest("tr")?.dataset.name === "below/new"), "who was at a study still is");

@@ -59,7 +59,7 @@ def test_a_version_hears_only_of_what_has_changed_since(folder):
     with Study.open(folder / "below" / "new", asked) as study:
         study.run(Objective(asked.scenario, PlausibleWorld(), asked.metric))
     second = json.loads(page.news(first["version"]) or "")
-    assert [(row["name"], row["state"]) for row in second["rows"]] == [("below/new", "not confirmed")]
+    assert [(row["name"], row["state"]) for row in second["rows"]] == [("below/new", "finished")]
     assert second["gone"] == []
     shutil.rmtree(folder / "done")
     third = json.loads(page.news(second["version"]) or "")
@@ -121,7 +121,7 @@ def test_cells_of_a_study_that_has_not_flown_say_so():
     assert dict(zip(HEADS, row["cells"], strict=True))["completion [%]"] == "-"
     minutes = row_of(Glance("s", State.SEARCHING, minutes=2.0, flights=7, completion=0.5, lap_time=5.0, successes=19, validation=20))
     cells = dict(zip(HEADS, minutes["cells"], strict=True))
-    assert [cells[name] for name in HEADS[4:8]] == ["7 of 2 min", "50", "95 of 20", "5.00"]
+    assert [cells[name] for name in HEADS[2:6]] == ["7 of 2 min", "50", "95 of 20", "5.00"]
     unreadable = row_of(Glance("s", State.UNREADABLE, fault="why"))
     assert len(unreadable["cells"]) == len(HEADS)
     json.dumps([row, minutes, unreadable], allow_nan=False)

@@ -33,7 +33,7 @@ def test_a_finished_study_is_what_it_says_of_itself(tmp_path):
         result.validation.successes,
         result.validation.flights,
     )
-    assert glance.state is (State.CONFIRMED if result.best.confirmed else State.NOT_CONFIRMED)
+    assert glance.state is (State.CONFIRMED if result.best.confirmed else State.NOT_REACHED)
     assert glance.lap_time == pytest.approx(result.best.lap_time, nan_ok=True)
 
 
@@ -49,11 +49,11 @@ def test_it_follows_a_search_batch_by_batch(tmp_path, goal):
             glance = follower.look()
             seen.append(glance.state)
             assert (glance.flights, glance.completion) == (batch.flights, batch.best.completion)
-            assert (glance.state in {State.CONFIRMED, State.NOT_CONFIRMED}) == batch.done
+            assert (glance.state in {State.CONFIRMED, State.NOT_REACHED, State.FINISHED}) == batch.done
 
         study.run(Objective(asked.scenario, PlausibleWorld(), asked.metric), watch)
     assert seen[0] is State.SEARCHING
-    assert seen[-1] is not State.SEARCHING
+    assert (seen[-1] is State.FINISHED) == (goal == "none")
 
 
 def test_what_has_not_changed_is_not_opened_and_what_has_is_read_from_there_on(tmp_path, monkeypatch):
@@ -119,7 +119,7 @@ def test_a_study_of_another_format_or_without_what_it_needs_is_unreadable(tmp_pa
 def test_a_larger_budget_is_seen_and_the_search_goes_on(tmp_path):
     carry(tmp_path / "s", configure(goal="none", budget=20, validation=0))
     follower = Follower(tmp_path / "s", "s")
-    assert follower.look().state is State.NOT_CONFIRMED
+    assert follower.look().state is State.FINISHED
     with Study.open(tmp_path / "s", configure(goal="none", budget=40, validation=0)):
         glance = follower.look()
     assert (glance.state, glance.budget) == (State.SEARCHING, 40)
@@ -135,4 +135,4 @@ def test_studies_are_found_below_a_folder_but_not_too_deep_and_not_within_each_o
 
 
 def test_states_are_plain_words():
-    assert json.dumps([State.NOT_CONFIRMED]) == '["not confirmed"]'
+    assert json.dumps([State.NOT_REACHED]) == '["not reached"]'

@@ -19,8 +19,8 @@ from hotlap.report.server import Source
 from hotlap.study.glance import Follower, Glance, State, find_studies
 
 OPEN_AT_ONCE = 8  # pages of studies that are kept, with what they have flown
-HEADS = ("study", "state", "race", "tuner", "flights", "completion [%]", "validated [%]", "lap [s]", "goal", "world", "seed", "changed")
-NUMBERS = (4, 5, 6, 7, 10)
+HEADS = ("study", "state", "flights", "completion [%]", "validated [%]", "lap [s]", "race", "tuner", "goal", "world", "seed", "changed")
+NUMBERS = (2, 3, 4, 5, 10)
 
 Opener = Callable[[Path], Source]
 """Makes the live page of the study in a folder."""
@@ -103,12 +103,12 @@ def row_of(glance: Glance) -> dict[str, Any]:
     cells = [
         glance.name,
         glance.state,
-        glance.race,
-        glance.tuner,
         f"{glance.flights} of {of}",
         _percent(glance.completion),
         f"{_percent(rate)} of {glance.validation}" if glance.validation else "-",
         f"{glance.lap_time:.2f}" if math.isfinite(glance.lap_time) else "-",
+        glance.race,
+        glance.tuner,
         glance.goal,
         glance.world,
         str(glance.seed),
@@ -172,6 +172,7 @@ main { max-width: none; }
 #count, #lost { color: var(--quiet); }
 tr[data-state=searching] td:nth-child(2) { color: var(--accent); font-weight: 600; }
 tr[data-state=unreadable] { color: var(--quiet); }
+tr[data-state=unreadable] td:nth-child(2) { white-space: normal; min-width: 12rem; }
 tr[hidden] { display: none; }
 @media (max-width: 40rem) { tbody th { white-space: normal; overflow-wrap: anywhere; min-width: 8rem; max-width: 10rem; } }
 """

@@ -20,6 +20,7 @@ from hotlap.core.errors import StudyError
 from hotlap.study.database import APPLICATION, FILE, FORMAT, Database
 from hotlap.study.increments import INSIDE, VALUE, grow
 from hotlap.system.folder_lock import LOCK
+from hotlap.tuning.goal import Quantity, parse_goal
 from hotlap.tuning.settings import TuningSettings
 
 DEEPEST = 3  # folders below the one that is looked at
@@ -27,12 +28,13 @@ KEPT = ("best", "validation", "ended", "flown")  # of the state of a run
 
 
 class State(StrEnum):
-    """How far a study is."""
+    """How far a study is: at work, left before its end, or at its end with its goal confirmed, not reached, or without a goal."""
 
     SEARCHING = "searching"
     STOPPED = "stopped"
     CONFIRMED = "confirmed"
-    NOT_CONFIRMED = "not confirmed"
+    NOT_REACHED = "not reached"
+    FINISHED = "finished"
     UNREADABLE = "unreadable"
 
 
@@ -160,7 +162,9 @@ class Follower:
         )
         if not self._is_done(glance):
             return glance
-        return replace(glance, state=State.CONFIRMED if best.get("confirmed") else State.NOT_CONFIRMED)
+        if parse_goal(asked["goal"]).quantity is Quantity.NONE:
+            return replace(glance, state=State.FINISHED)
+        return replace(glance, state=State.CONFIRMED if best.get("confirmed") else State.NOT_REACHED)
 
     def _is_done(self, glance: Glance) -> bool:
         """Whether the search is over, and its result validated where that is asked for."""
