@@ -124,8 +124,8 @@ def _report(parser: Parser) -> None:
 
 
 def _watch(parser: Parser) -> None:
-    _study(parser)
     add = parser.add_argument
+    add("study", type=path, metavar="DIR", help="folder of a study, as hotlap tune makes it, or one with studies in it or below it")
     add("--port", type=whole, default=0, metavar="N", automatic="any that is free", help="to listen on")
     add("--host", default="127.0.0.1", metavar="NAME", help="to listen on; 127.0.0.1 is this machine alone")
 
@@ -265,11 +265,12 @@ COMMANDS: Mapping[str, Command] = {
         ("hotlap report runs/mine", "hotlap report runs/mine --figures --format pdf", "hotlap report runs/mine --video lap.gif"),
     ),
     "watch": Command(
-        "show a study in the browser while it runs",
-        "Show the page of a study to browsers on this machine, and keep it up to date as flights come in, until Ctrl-C. Nothing is\n"
-        "written; --json prints the address at once.",
+        "show a study, or a folder of them, in the browser",
+        "Show the page of a study to browsers on this machine, and keep it up to date as flights come in, until Ctrl-C. Of a folder of\n"
+        "studies it shows a table of all, to be sorted and sifted, and the page of each. Nothing is written; --json prints the address\n"
+        "at once.",
         _watch,
-        ("hotlap watch runs/mine", "hotlap watch runs/mine --port 8080"),
+        ("hotlap watch runs/mine", "hotlap watch runs", "hotlap watch runs/mine --port 8080"),
     ),
     "export": Command(
         "write parameters for other programs",
