@@ -269,6 +269,15 @@ def test_tables_have_a_cell_for_every_column():
     assert "50 [9, 91]" in markdown(cells_of(rows)), "one of two, with Wilson's interval"
 
 
+@pytest.mark.parametrize(
+    ("budgets", "head"), [((40, 40), []), ((60, 40), ["completion % at 50"]), ((200, 1000), ["completion % at 50 / 200 / 1000"])]
+)
+def test_completion_is_said_at_flights_that_some_tuner_was_given(budgets, head):
+    cells = cells_of(rows_of([make_run("a", budget=budgets[0]), make_run("b", budget=budgets[1])]))
+    assert [name for name in cells[0] if name.startswith("completion")] == head
+    assert {len(row) for row in cells} == {9 + len(head)}
+
+
 def test_what_runs_hold_under_has_a_table_with_a_column_for_each_condition():
     held = [(("as tuned", 50, 50), ("10 % heavier", 50 * k, 50)) for k in range(2)]
     rows = rows_of([make_run(seed=k, held=held[k]) for k in range(2)] + [make_run("b")])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -186,6 +186,8 @@ def completion_band(
     return np.quantile(values, lower, axis=0), np.median(values, axis=0), np.quantile(values, upper, axis=0)
 
 
+COMPLETIONS = "completion % at"  # with the numbers of flights behind it
+
 COLUMNS: Mapping[str, Callable[[Row], str]] = {
     "race": lambda row: row.race,
     "tuner": lambda row: row.tuner,
@@ -196,15 +198,18 @@ COLUMNS: Mapping[str, Callable[[Row], str]] = {
         f"{_count(row.flights_median)} [{_count(row.flights_quartiles[0])}, {_count(row.flights_quartiles[2])}]"
     ),
     "with re-flights": lambda row: _count(row.all_flights_median),
-    "completion % at 50 / 200 / 1000": lambda row: " / ".join(f"{100 * value:.0f}" for _, value in row.completions),
+    COMPLETIONS: lambda row: " / ".join(f"{100 * value:.0f}" for _, value in row.completions),
     "lap s (runs)": lambda row: f"{row.lap_time_median:.2f} ({row.lap_times})" if row.lap_times else "-",
     "ms/flight": lambda row: f"{1e3 * row.tuner_time:.2g}",
 }
 
 
-def cells_of(rows: Iterable[Row]) -> list[list[str]]:
-    """A table for people, with its header."""
-    return [list(COLUMNS), *([show(row) for show in COLUMNS.values()] for row in rows)]
+def cells_of(rows: Sequence[Row]) -> list[list[str]]:
+    """A table for people, with its header; at least one row."""
+    longest = max((row.completions for row in rows), key=len)
+    at = " / ".join(str(when) for when, _ in longest)
+    columns = {f"{name} {at}" if name is COMPLETIONS else name: show for name, show in COLUMNS.items() if at or name is not COMPLETIONS}
+    return [list(columns), *([show(row) for show in columns.values()] for row in rows)]
 
 
 def held_cells_of(rows: Sequence[Row]) -> list[list[str]]:

@@ -13,8 +13,6 @@ from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, present, table
 from hotlap.cli.progress import TERMINAL
 
-RIGHT = range(2, 9)  # columns of numbers
-
 
 def run(options: Namespace) -> int:
     """Fly what is missing, and say how the tuners did."""
@@ -27,7 +25,8 @@ def run(options: Namespace) -> int:
 def _lines(compared: ComparisonResult) -> Iterator[Line]:
     """Both tables, and what is where."""
     for rows in (compared.by_race, compared.overall):
-        yield from table(cells_of(rows), right=RIGHT)
+        cells = cells_of(rows)
+        yield from table(cells, right=range(2, len(cells[0])))
         yield ""
     best = compared.overall[0].tuner
     against = paired_cells([row for row in compared.paired if row.tuner == best])

@@ -96,9 +96,8 @@ def _add_held(article: Article, runs: Sequence[Run]) -> None:
 
 
 def _add_table(article: Article, rows: Sequence[Row]) -> None:
-    """Add rows as a table, without columns that are empty."""
-    columns = [column for column in zip(*cells_of(rows), strict=True) if any(column[1:])]
-    heads, *body = zip(*columns, strict=True)
+    """Add rows as a table."""
+    heads, *body = cells_of(rows)
     article.table(heads, body, sortable=True)
 
 
