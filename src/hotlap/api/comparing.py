@@ -43,7 +43,8 @@ def compare(
     It flies in several processes, so a script calls it below `if __name__ == "__main__":`, or with `jobs=1`.
 
     Args:
-        races: built-in races (hotlap races) or TOML files; in Python also one alone, and each of them a `Race`.
+        races: built-in races (hotlap races), patterns of them ('circle-*'), sets (all, default, airsim, real) or TOML files; in Python
+            also one alone, and each of them a `Race`.
         out: folder of the comparison, begun or gone on with.
         tuners: NAME, NAME:PRESET or my_module.MyTuner of each; in Python also a list.
         seeds: runs of each tuner on each race.
