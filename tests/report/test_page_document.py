@@ -20,14 +20,14 @@ from hotlap.race.rotors import RotorLayout
 from hotlap.report.effort import Effort
 from hotlap.report.page.document import MOST_SAMPLES, dump_scenario, dump_study, dump_trace, write_json
 from hotlap.report.page.packing import MOST_ROWS, number, pack, thin
-from hotlap.report.page.replay import replay_finished, replay_running
+from hotlap.report.page.replay import replay_finished, replay_running, typical
 from hotlap.report.scene import trace
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
 
 KEYS = {
     *("format", "kind", "live", "headline", "scenario", "traces", "repeats", "flights", "parameters", "samples", "sensitivity"),
-    *("robustness", "advice", "configuration"),
+    *("robustness", "why", "advice", "configuration"),
 }
 
 
@@ -102,14 +102,29 @@ def test_every_flight_is_there_in_the_order_of_the_ledger(study, whole):
 
 def test_traces_are_flights_of_their_own_noise(study, whole):
     assert [trace["id"] for trace in whole["traces"]] == ["best", "first", "default"]
-    (seed,) = {trace["seed"] for trace in whole["traces"]}
-    assert seed not in study.ledger.seeds
+    assert not {trace["seed"] for trace in whole["traces"]} & set(study.ledger.seeds.tolist())
     for flown in whole["traces"]:
         rows = flown["time"]["shape"][0]
         for name, width in {"position": 3, "attitude": 4, "rates": 3, "rotor_thrusts": 4, "command_rates": 3}.items():
             assert flown[name]["shape"] == [rows, width]
         assert flown["speed"]["shape"] == flown["error"]["shape"] == flown["command_thrust"]["shape"] == [rows]
         assert set(flown["effort"]) - {"reference"} == set(flown["effort"]["reference"])
+
+
+def test_the_means_say_over_how_many_flights_they_are(study, whole):
+    kept, best = whole["headline"]["kept"], study.result.best
+    assert (kept["flights"], kept["cost"], kept["selection_flights"]) == (best.flights, best.cost, study.result.selection_flights)
+
+
+@pytest.mark.parametrize("recorded", [[0, 1, 2, 3, 4], [0, 2], [3]])
+def test_the_flight_that_is_shown_is_the_recorded_one_nearest_the_middle(recorded):
+    scenario = make_scenario()
+    parameters = np.tile(scenario.space.first_guess(len(scenario.segments)), (5, 1, 1))
+    flown = PlausibleWorld().fly(scenario, parameters, np.arange(5), log=recorded)
+    flown = replace(flown, gates_passed=np.array([1, 4, 4, 4, 0]), mean_error=np.array([0.1, 0.3, 0.2, 0.1, np.nan]))
+    order = [4, 0, 1, 2, 3]  # by gates passed, then by error, the worst first
+    ranks = {index: abs(order.index(index) - 2) for index in recorded}
+    assert ranks[typical(flown, slice(0, 5))] == min(ranks.values())
 
 
 def test_repeats_add_up(whole):
