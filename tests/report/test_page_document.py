@@ -14,7 +14,7 @@ from hall import GATES, HALL, POINT, UNCOUNTED, make_hall
 from hotlap.core.ledger import Ledger
 from hotlap.core.seeds import Stream
 from hotlap.files import toml_writer
-from hotlap.files.descriptions import load_race
+from hotlap.files.descriptions import load_parameters, load_race
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.race.rotors import RotorLayout
 from hotlap.report.effort import Effort
@@ -149,6 +149,11 @@ def test_the_race_can_be_read_again(whole, study, tmp_path):
     (tmp_path / "race.toml").write_text(whole["configuration"]["race_toml"], encoding="utf-8")
     assert load_race(tmp_path / "race.toml") == study.configuration.scenario.race
     assert toml_writer.write(study.configuration.scenario.race.model_dump(mode="json", exclude_none=True))
+
+
+def test_the_parameters_can_be_read_again(whole, study, tmp_path):
+    (tmp_path / "parameters.toml").write_text(whole["configuration"]["parameters_toml"], encoding="utf-8")
+    np.testing.assert_array_equal(load_parameters(tmp_path / "parameters.toml").values, study.best)
 
 
 def test_the_command_is_the_one_that_was_given_and_names_the_first_guess(tmp_path, whole):

@@ -56,7 +56,7 @@ def respond(trace: Trace) -> Response | None:
         return None
     period = float(np.median(np.diff(times)))
     frequencies, commanded = density(commands, period)
-    lags = np.arange(round(LAG / period) + 1) * period
+    lags = np.linspace(0.0, round(LAG / period) * period, round(LAG / period) + 1)
     answers = [step_response(commands[:, axis], rates[:, axis], period) for axis in range(3)]
     return Response(
         frequencies,
@@ -70,7 +70,9 @@ def respond(trace: Trace) -> Response | None:
 
 
 def density(values: Floats, period: float) -> tuple[Floats, Floats]:
-    """Power density of some series by Welch's method: the mean over pieces that overlap by half, each without its mean, under Hann's window.
+    """Power density of some series by Welch's method: the mean over pieces that overlap by half.
+
+    Each piece is taken without its mean, under Hann's window.
 
     Args:
         values: shape (n, k).
@@ -86,7 +88,7 @@ def density(values: Floats, period: float) -> tuple[Floats, Floats]:
     pieces = (pieces - pieces.mean(axis=1, keepdims=True)) * window
     power = (np.abs(np.fft.rfft(pieces, axis=1)) ** 2).mean(axis=0) * period / (window**2).sum()
     power[1 : (length + 1) // 2] *= 2  # both signs of the frequency
-    return np.fft.rfftfreq(length, period), power
+    return np.arange(length // 2 + 1, dtype=np.float64) / (length * period), power
 
 
 def step_response(command: Floats, rate: Floats, period: float) -> tuple[Floats, Floats, float]:

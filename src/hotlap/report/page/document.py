@@ -12,7 +12,8 @@ from hotlap.analysis.robustness import Robustness
 from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.feasibility.race import mistaken
-from hotlap.files.descriptions import PARAMETERS_FILE, to_toml
+from hotlap.files.descriptions import PARAMETERS_FILE, to_toml, write_parameters
+from hotlap.files.parameters_file import SavedParameters
 from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
@@ -189,10 +190,19 @@ def _configuration(snapshot: Snapshot) -> dict[str, Any]:
         "versions": dict(snapshot.openings[-1][1]) if snapshot.openings else {},
         "opened": [moment for moment, _ in snapshot.openings],
         "race_toml": to_toml(race),
+        "parameters_toml": _parameters_toml(snapshot),
         "settings": {**tuner, **settings},
         "world": asked.world,
         "files": {"study": str(snapshot.folder), "parameters": str(snapshot.folder / PARAMETERS_FILE)},
     }
+
+
+def _parameters_toml(snapshot: Snapshot) -> str:
+    """The tuned parameters as they lie beside the page; while the search runs those so far, without their provenance."""
+    file, scenario = snapshot.folder / PARAMETERS_FILE, snapshot.configuration.scenario
+    if snapshot.finished and file.is_file():
+        return file.read_text(encoding="utf-8")
+    return write_parameters(SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, snapshot.best))
 
 
 def dump_scenario(scenario: Scenario) -> dict[str, Any]:
