@@ -27,7 +27,7 @@ from studies import AnyVehicle, begin, carry, configure
 
 KEYS = {
     *("format", "kind", "live", "headline", "scenario", "traces", "repeats", "flights", "parameters", "samples", "sensitivity"),
-    *("robustness", "why", "advice", "configuration"),
+    *("robustness", "advice", "configuration"),
 }
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hotlap.analysis.remedies import failures_of, what_to_try, why
+from hotlap.analysis.remedies import failures_of, what_to_try
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation, wilson_interval
@@ -61,7 +61,6 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
         "samples": _samples(snapshot),
         "sensitivity": _sensitivity(replay, snapshot.configuration.metric_name),
         "robustness": [] if replay is None else [_robustness(change) for change in replay.robustness],
-        "why": [] if replay is None else list(why(failures_of(replay.robustness))),
         "advice": [] if replay is None else list(what_to_try(failures_of(replay.robustness), snapshot.advice)),
         "configuration": _configuration(snapshot),
     }
