@@ -58,9 +58,11 @@ function afterPaint(work: () => void): void {
   requestAnimationFrame(() => setTimeout(work));
 }
 
-/** Plays the flight once; a reader who prefers reduced motion sees the end of the flight with the whole trail. */
+/** Plays the flight once, unless the address names a part of it; a reader who prefers reduced motion sees the end of the flight with the whole trail. */
 function begin(app: App): void {
-  if (matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.seek(Math.min(app.parts.scenario.value.lap_time, ...app.parts.traces.value.slice(0, 1).map(lastTime)));
+  const part = app.zoom.range.value;
+  if (part) app.clock.seek(part[0]);
+  else if (matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.seek(Math.min(app.parts.scenario.value.lap_time, ...app.parts.traces.value.slice(0, 1).map(lastTime)));
   else if (app.parts.traces.value.length) app.clock.play();
 }
 

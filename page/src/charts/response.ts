@@ -7,10 +7,11 @@ import { between } from "../flight";
 import type { Table } from "../table";
 
 const AXES = ["roll", "pitch", "yaw"];
-const [WIDTH, HEIGHT] = [230, 140];
+const [WIDTH, HEIGHT] = [350, 170];
 const EDGE = { left: 40, right: 8, top: 8, bottom: 22 };
-const DECADES = 6; // of power that are shown
-const UNSURE = 0.5; // standard deviation beyond which a step response is not drawn
+const DECADES = 8; // of power that are shown
+const UNSURE = 0.25; // standard deviation beyond which a step response is not drawn
+const EXPLAINED = 0.9; // share of the rate below which it is not drawn
 const LEVELS = [0, 0.5, 1];
 const HIGHEST = 1.6;
 const LOWEST = -0.3;
@@ -37,7 +38,7 @@ export function response(app: App): { readonly element: HTMLElement; readonly bu
   };
   app.parts.traces.after(build);
   app.visible.after(build);
-  const note = "Spectrum: power density of the commands over frequency; a narrow peak well above the plan's few hertz is an oscillation. Step: estimated from the flight, with a band of two standard deviations; a wide band means that the flight did not excite this axis enough.";
+  const note = "Spectrum: power density of the commands over frequency; a narrow peak well above the plan's few hertz is an oscillation. Step: estimated from the flight as if rates followed past commands linearly, with a band of two standard deviations; what a flight does not tell is not drawn. The answer is the vehicle's, whatever the parameters: the flight that excites an axis most tells it best.";
   return { element: card("response", "Frequencies and step response", note, body), build };
 }
 
@@ -51,7 +52,7 @@ function spectrum(shown: readonly Flight[], axis: number): HTMLElement {
   const frequencies = shown.map(({ response }) => Array.from(response.frequencies.values));
   const [low, high] = [Math.log10(Math.min(...frequencies.map((one) => one[1]))), Math.log10(Math.max(...frequencies.flat()))];
   const x = (hertz: number): number => across((Math.log10(hertz) - low) / (high - low));
-  const y = (power: number): number => up(Math.max(0, (Math.log10(Math.max(power, 1e-30)) - top + DECADES) / DECADES));
+  const y = (power: number): number => up((Math.log10(Math.max(power, 1e-30)) - top + DECADES) / DECADES);
   const lines = shown.map(({ trace }, i) => line(trace.id, powers[i].flatMap((power, k) => (k ? [[x(frequencies[i][k]), y(power)] as const] : []))));
   const peaks = shown.map(({ trace }, i) => `${trace.label} ${digits(frequencies[i][powers[i].indexOf(Math.max(...powers[i].slice(1)))], 2)} Hz`);
   const ticks = [1, 3, 10, 30, 100].filter((hertz) => Math.log10(hertz) >= low && Math.log10(hertz) <= high);
@@ -69,19 +70,25 @@ function steps(shown: readonly Flight[], axis: number): HTMLElement {
   drawing.append(...LEVELS.flatMap((value) => level(y(value), String(value))), ...[0, 0.1, 0.2, 0.3, 0.4].filter((lag) => lag <= last + 1e-6).map((lag) => tick(x(lag), lag === 0.2 ? "0.2 s" : String(lag))));
   const said = shown.map(({ trace, response }) => {
     const [values, deviations] = [column(response.steps, axis), column(response.deviations, axis)];
-    if (!values.every(Number.isFinite) || Math.max(...deviations) > UNSURE) return `${trace.label}: cannot be told`;
+    const explained = response.explained.values[axis];
+    if (!values.every(Number.isFinite)) return `${trace.label}: too short, or not commanded`;
+    if (explained < EXPLAINED) return `${trace.label}: not drawn, past commands explain ${percent(explained)} of the rate alone (limits of the rotors?)`;
+    if (Math.max(...deviations) > UNSURE) return `${trace.label}: not drawn, too little excited`;
     const at = (i: number): number => x(response.lags.values[i]);
     const edge = (sign: number): string[] => values.map((value, i) => `${at(i).toFixed(1)},${y(value + sign * 2 * deviations[i]).toFixed(1)}`);
     drawing.append(s("polygon", { class: `spread ${trace.id}`, points: [...edge(1), ...edge(-1).reverse()].join(" ") }), line(trace.id, values.map((value, i) => [at(i), y(value)] as const)));
     const half = values.findIndex((value) => value >= 0.5);
-    return `${trace.label}: ${half < 0 ? "never half of it" : `half of it after ${Math.round(1000 * response.lags.values[half])} ms`}, explains ${percent(response.explained.values[axis])} of the rate`;
+    return `${trace.label}: ${half < 0 ? "never half of it" : `half of it after ${Math.round(1000 * response.lags.values[half])} ms`}`;
   });
   drawing.setAttribute("aria-label", `${AXES[axis]} rate after a unit step of its command; ${said.join("; ")}`);
-  return h("figure", { class: "chart" }, h("figcaption", {}, AXES[axis]), drawing, h("figcaption", { class: "said" }, said.join("; ")));
+  return h("figure", { class: "chart" }, h("figcaption", {}, AXES[axis]), drawing.querySelector(".curve") ? drawing : null, h("figcaption", { class: "said" }, said.join("; ")));
 }
 
+/** A curve, where it lies within the chart. */
 function line(id: string, points: readonly (readonly [number, number])[]): SVGElement {
-  return s("polyline", { class: `curve ${id}`, points: points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ") });
+  const within = (y: number): boolean => y <= HEIGHT - EDGE.bottom + 0.5;
+  const path = points.flatMap(([x, y], i) => (within(y) ? [`${i && within(points[i - 1][1]) ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`] : []));
+  return s("path", { class: `curve ${id}`, d: path.join("") });
 }
 
 function level(y: number, text: string): SVGElement[] {

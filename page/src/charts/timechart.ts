@@ -205,7 +205,7 @@ export class TimeChart {
     const x = this.place(this.app.clock.time.value);
     const [first, last] = this.shown;
     this.cursor.hidden = x < first || x > last;
-    this.cursor.style.transform = `translateX(${plot.valToPos(x, "x")}px)`;
+    this.cursor.style.transform = `translateX(${((x - first) / (last - first)) * plot.over.clientWidth}px)`; // the plot itself takes a new part only later
     const now = performance.now();
     if (this.app.clock.playing.value && now - this.said < OFTEN) return;
     this.said = now;

@@ -14,7 +14,7 @@ export function verdict(app: App): HTMLElement {
     const summary = app.parts.headline.value;
     element.hidden = !failed(summary);
     if (element.hidden) return;
-    renew(element, h("h2", { id: "verdict-title" }, `Not solved: ${summary.goal} was not confirmed in ${count(summary.flights, "flight")}`), h("p", {}, kept(summary)), h("div", { class: "pair" }, list("Why it failed", reasons(app)), list("What to try", trials(app))));
+    renew(element, h("h2", { id: "verdict-title" }, `Not solved: the goal (${summary.goal}) was not confirmed in ${count(summary.flights, "flight")}`), h("p", {}, kept(summary)), h("div", { class: "pair" }, list("Why it failed", reasons(app)), list("What to try", trials(app))));
   };
   for (const signal of [app.parts.headline, app.parts.repeats, app.parts.robustness, app.parts.advice]) signal.after(build);
   build();
@@ -27,8 +27,8 @@ function list(title: string, lines: readonly string[]): HTMLElement {
 
 /** What this page shows in place of a solution. */
 function kept(summary: Headline): string {
-  const mean = summary.kept?.flights ? `, ${meanOf(summary.kept.flights)}` : "";
-  const rate = summary.validation ? ` and met the goal in ${summary.validation.successes} of ${count(summary.validation.flights, "validation flight")}` : "";
+  const mean = summary.kept?.flights ? ` (${meanOf(summary.kept.flights)})` : "";
+  const rate = summary.validation ? `, and met the goal in ${summary.validation.successes} of ${count(summary.validation.flights, "validation flight")}` : "";
   return `“Tuned” on this page are the most reliable parameters that were found: they passed ${percent(summary.completion)} of the gates${mean}${rate}.`;
 }
 

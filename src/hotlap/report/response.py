@@ -1,8 +1,10 @@
 """Response: how the rate commands of a flight are spread over frequencies, and how the vehicle answers a step of them.
 
 The step response is estimated from the flight itself. The rate is a sum of past commands, rate[t] = sum_k h[k] command[t - k], and h has a
-Gaussian prior that makes it smooth and lets it decay, Cov(h[i], h[j]) = c b^max(i, j) (the "tuned, correlated" kernel of Chen, Ohlsson and
-Ljung, Automatica 48, 2012); c, b and the noise have the largest marginal likelihood. What the flight does not excite has a wide band.
+Gaussian prior that makes it smooth and lets it decay, Cov(h[i], h[j]) = c w[i] w[j] b^max(i, j) (the "tuned, correlated" kernel of Chen,
+Ohlsson and Ljung, Automatica 48, 2012; w rises from 0: motors answer nothing at once); c, b and the noise have the largest marginal
+likelihood. What the flight does not excite has a wide deviation; what no sum of past commands explains, as rotors at their limits, a small
+share `explained`.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ LAG = 0.4  # s of the step response
 FEWEST = 3  # times the lag: what a flight must last for a step response
 DECAYS = (0.6, 0.7, 0.8, 0.87, 0.92, 0.95)  # b, per 10 ms
 RATIOS = 10.0 ** np.arange(-4.0, 7.0)  # c over the variance of the noise
+ONSET = 0.02  # s within which an answer may begin
 STEP = 0.01  # s that `DECAYS` are meant for
+MOST_ALIKE = 0.999  # of what is left from row to row
 STILL = 1e-6  # rad/s: an axis that is commanded less has no response
 
 
@@ -108,28 +112,32 @@ def step_response(command: Floats, rate: Floats, period: float) -> tuple[Floats,
         return np.full(size, np.nan), np.full(size, np.nan), np.nan
     past = np.lib.stride_tricks.sliding_window_view(command, size)[:, ::-1]  # rows t, columns command[t - k]
     answer, power = rate[size - 1 :], float(rate[size - 1 :] @ rate[size - 1 :])
-    found = min((_fit(past, answer, decay ** (period / STEP)) for decay in DECAYS), key=lambda one: one[0])
+    onset = 1 - np.exp(-np.arange(size) * period / ONSET)
+    found = min((_fit(past, answer, decay ** (period / STEP), onset) for decay in DECAYS), key=lambda one: one[0])
     _, impulse, covariance = found
     summed = np.tri(size)  # a step is the sum of impulses
     deviation = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", summed, covariance, summed), 0))
     rest = answer - past @ impulse
+    alike = min(max(float(rest[1:] @ rest[:-1]) / max(float(rest @ rest), 1e-300), 0.0), MOST_ALIKE)
+    deviation *= np.sqrt((1 + alike) / (1 - alike))  # what is left is no white noise: so many rows tell as much as one
     return np.cumsum(impulse), deviation, 1 - float(rest @ rest) / power
 
 
-def _fit(past: Floats, answer: Floats, decay: float) -> tuple[float, Floats, Floats]:
+def _fit(past: Floats, answer: Floats, decay: float, onset: Floats) -> tuple[float, Floats, Floats]:
     """The impulse response under the kernel with a decay, at the ratio of prior to noise that is likeliest.
 
     Args:
         past: shape (n, L).
         answer: shape (n,).
         decay: b of the kernel, per row.
+        onset: w of the kernel, shape (L,).
 
     Returns:
         Minus twice the logarithm of the marginal likelihood but for a constant, the impulse response, shape (L,), and its covariance.
     """
     count, size = past.shape
     index = np.arange(size)
-    root = np.linalg.cholesky(decay ** np.maximum.outer(index, index) + 1e-12 * np.eye(size))
+    root = onset[:, None] * np.linalg.cholesky(decay ** np.maximum.outer(index, index) + 1e-12 * np.eye(size))
     left, values, right = np.linalg.svd(past @ root, full_matrices=False)
     projected, power = left.T @ answer, float(answer @ answer)
     gains = RATIOS[:, None] * values**2 / (1 + RATIOS[:, None] * values**2)
