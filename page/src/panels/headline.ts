@@ -56,7 +56,7 @@ function facts(summary: Headline): HTMLElement[] {
     fact("lap time", seconds(summary.lap_time), [laps, plan].filter(Boolean).join("; ")),
     fact("gates passed", percent(summary.completion), ...confirmation(summary)),
     validation
-      ? fact("success rate", percent(validation.rate), `${validation.successes} of ${validation.flights} validation flights; 95 % interval ${interval(validation)}`)
+      ? fact("success rate", percent(validation.rate), `${validation.successes} of ${validation.flights} validation flights; 95 % interval ${interval(validation)}`, validation.rate < 0.5 ? "bad" : "")
       : fact("success rate", "–", "not validated"),
   ];
 }

@@ -38,7 +38,12 @@ export const meanOf = (flights: number): string => (flights === 1 ? "in one flig
 function reasons(app: App): string[] {
   const tuned = app.parts.repeats.value.find((repeat) => repeat.id === "best");
   const causes = app.parts.robustness.value[0]?.causes ?? [];
-  return [...(tuned ? [ended(tuned)] : []), ...causes.map((cause) => `${cause.cause}: ${cause.found}`), ...(causes.length ? [] : ["No single cause was found."])];
+  return [...(tuned ? [ended(tuned)] : []), ...causes.map((cause) => `${cause.cause}: ${cause.found}`), ...(causes.length ? [] : [unknown(app)])];
+}
+
+/** Where no cause is told. */
+function unknown(app: App): string {
+  return app.parts.robustness.value.length ? "no single cause was found" : "causes were not looked for: this simulator takes no other vehicle, or is slow";
 }
 
 function ended(tuned: Repeat): string {
