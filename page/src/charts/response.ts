@@ -58,7 +58,7 @@ function spectrum(shown: readonly Flight[], axis: number): HTMLElement {
   const ticks = [1, 3, 10, 30, 100].filter((hertz) => Math.log10(hertz) >= low && Math.log10(hertz) <= high);
   const levels = [top - DECADES, top - DECADES / 2, top];
   const drawing = s("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `power density of the ${AXES[axis]} rate command; largest at: ${peaks.join(", ")}` });
-  drawing.append(...levels.flatMap((power) => level(up((power - top + DECADES) / DECADES), `1e${power}`.replace("-", "−"))), ...ticks.map((hertz) => tick(x(hertz), hertz === 10 ? "10 Hz" : String(hertz))), ...lines);
+  drawing.append(...levels.flatMap((power) => level(up((power - top + DECADES) / DECADES), `10${raised(power)}`)), ...ticks.map((hertz) => tick(x(hertz), hertz === 10 ? "10 Hz" : String(hertz))), ...lines);
   return h("figure", { class: "chart" }, h("figcaption", {}, `${AXES[axis]} [(rad/s)²/Hz]`), drawing);
 }
 
@@ -83,6 +83,11 @@ function steps(shown: readonly Flight[], axis: number): HTMLElement {
   drawing.setAttribute("aria-label", `${AXES[axis]} rate after a unit step of its command; ${said.join("; ")}`);
   return h("figure", { class: "chart" }, h("figcaption", {}, AXES[axis]), drawing.querySelector(".curve") ? drawing : null, h("figcaption", { class: "said" }, said.join("; ")));
 }
+
+const SMALL = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+/** A whole number as an exponent. */
+const raised = (power: number): string => (power < 0 ? "⁻" : "") + [...String(Math.abs(power))].map((digit) => SMALL[Number(digit)]).join("");
 
 /** A curve, where it lies within the chart. */
 function line(id: string, points: readonly (readonly [number, number])[]): SVGElement {
