@@ -16,6 +16,7 @@ import pytest
 from comparisons import make_comparison
 from hall import make_hall
 from hotlap.report.comparison_article import compose_article
+from hotlap.report.page.replay import replay_finished
 from hotlap.report.page.writing import render
 from hotlap.report.server import Server
 from hotlap.report.studies_page import StudiesPage
@@ -73,6 +74,15 @@ def test_the_page_of_a_study_does_what_it_should(tmp_path):
     hotlap("tune", *RACE, "--budget", "40", "--validation", "40", "--hold", LONG, "--out", str(tmp_path / "study"))
     drive("browser/study.mjs", str(tmp_path / "study/report.html"), str(tmp_path / "pictures"))
     assert {path.name for path in (tmp_path / "pictures").iterdir()} == {"desktop.png", "phone.png", "print.pdf", "without-script.png"}
+    drive("browser/tool.mjs", str(tmp_path / "study/report.html"), str(tmp_path / "pictures"))
+
+
+def test_the_page_of_a_study_that_failed_says_why(tmp_path):
+    world = PlausibleWorld(reach=40.0)  # no parameters but the optimum pass a gate
+    study = carry(tmp_path / "study", configure(goal="completion=1", budget=20), world)
+    page = tmp_path / "failed.html"
+    page.write_text(render(study, replay_finished(study.configuration, world, study.best)), encoding="utf-8")
+    drive("browser/failed.mjs", str(page), str(tmp_path / "pictures"))
 
 
 def test_a_track_with_openings_and_obstacles_is_drawn_from_every_camera(tmp_path):

@@ -70,6 +70,11 @@ class Configuration(Shown):
         """Label of an axis of the cost: with its unit where it is the metric's, else the name of the function."""
         if self.cost:
             return f"cost, {self.cost.partition(' ')[0].rpartition('.')[2]}"
+        return self.metric_name
+
+    @property
+    def metric_name(self) -> str:
+        """Label of an axis of the metric, whatever counts as the cost: with its unit."""
         return "cost [s]" if self.metric is Metric.TIME else "cost [m]"
 
     @property
