@@ -6,7 +6,7 @@ import { checker, comes, finish, launch, open } from "./open.mjs";
 
 const [file, folder] = process.argv.slice(2);
 const address = pathToFileURL(resolve(file)).href;
-const CARDS = ["parameters", "robustness", "telemetry", "convergence", "endings", "effort", "sensitivity", "samples", "configuration"];
+const CARDS = ["parameters", "robustness", "telemetry", "response", "convergence", "endings", "effort", "sensitivity", "samples", "configuration"];
 const SIZES = { desktop: { width: 1440, height: 900, scheme: "light" }, phone: { width: 360, height: 800, scheme: "dark", motion: "reduce" } };
 const { check, failures } = checker();
 
@@ -25,7 +25,7 @@ async function inspect(name, { page, requests, complaints }) {
   check(await page.locator("#static").isHidden(), `${name}: the part for readers without script is hidden`);
   check((await page.locator(".plot canvas").count()) >= 8, `${name}: all charts are drawn`);
   const unnamed = await page.evaluate(() =>
-    [...document.querySelectorAll("button, select, input, canvas[role], svg[role]")].filter((one) => !one.ariaLabel && !one.innerText?.trim() && !one.labels?.length).map((one) => one.outerHTML.slice(0, 80)),
+    [...document.querySelectorAll("button, select, input, canvas[role], svg[role]")].filter((one) => !one.ariaLabel && !(one instanceof HTMLElement && one.textContent.trim()) && !one.labels?.length).map((one) => one.outerHTML.slice(0, 80)),
   );
   check(unnamed.length === 0, `${name}: controls and drawings have names: ${unnamed.join(" ")}`);
   const strangers = requests.filter((url) => url !== address && !url.startsWith("data:"));

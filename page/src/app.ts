@@ -2,19 +2,28 @@
 import { Clock } from "./clock";
 import type { Part, Study } from "./data";
 import { Signal } from "./signal";
+import { Zoom } from "./zoom";
 
 export type Camera = "follow" | "orbit" | "top";
 export type Axis = "time" | "distance";
 export type Theme = "light" | "dark";
+
+/** Time charts that are drawn until the reader chooses others. */
+export const USUAL: ReadonlySet<string> = new Set(["error", "speed", "thrust", "roll", "pitch", "yaw", "effectiveness", "disturbance"]);
 
 type Parts = { readonly [K in Part]: Signal<Study[K]> };
 
 export class App {
   readonly parts: Parts;
   readonly clock: Clock;
+  readonly zoom: Zoom;
   readonly camera = new Signal<Camera>("orbit");
+  /** Place of the orbiting camera, then what it looks at [m]; null until the reader moves it. */
+  readonly eye = new Signal<readonly number[] | null>(null);
   readonly axis = new Signal<Axis>("time");
   readonly theme: Signal<Theme>;
+  /** Time charts that are drawn. */
+  readonly signals = new Signal<ReadonlySet<string>>(USUAL);
   /** Flights that are drawn. */
   readonly visible: Signal<ReadonlySet<string>>;
   /** Segment that the reader has chosen. */
@@ -30,6 +39,7 @@ export class App {
     this.parts = Object.fromEntries(keys.map((key) => [key, new Signal<unknown>(study[key])])) as unknown as Parts;
     this.texts = write(plain);
     this.clock = new Clock(study.scenario.duration);
+    this.zoom = new Zoom(this.clock);
     this.theme = new Signal(theme);
     this.visible = new Signal<ReadonlySet<string>>(new Set(study.traces.map((trace) => trace.id)));
     this.pointed.watch((segment) => (this.lit.value = segment));
@@ -56,10 +66,19 @@ export class App {
 
   /** Shows or hides a flight. */
   toggle(id: string): void {
-    const visible = new Set(this.visible.value);
-    if (!visible.delete(id)) visible.add(id);
-    this.visible.value = visible;
+    this.visible.value = toggled(this.visible.value, id);
   }
+
+  /** Shows or hides a time chart. */
+  plot(id: string): void {
+    this.signals.value = toggled(this.signals.value, id);
+  }
+}
+
+function toggled(set: ReadonlySet<string>, id: string): ReadonlySet<string> {
+  const other = new Set(set);
+  if (!other.delete(id)) other.add(id);
+  return other;
 }
 
 function write(plain: Record<string, unknown>): Map<Part, string> {

@@ -10,6 +10,14 @@ export interface Interval {
   readonly high: number;
 }
 
+/** What the figures of the tuned parameters are means over. */
+export interface Kept {
+  readonly flights: number;
+  readonly cost: number | null;
+  /** Flights that chose among candidates where the search confirmed none. */
+  readonly selection_flights: number;
+}
+
 export interface Headline {
   readonly race: string;
   readonly vehicle: string;
@@ -29,6 +37,7 @@ export interface Headline {
   readonly completion: number | null;
   readonly confirmed: boolean;
   readonly confirm: number;
+  readonly kept?: Kept;
   readonly validation: Interval | null;
   readonly wall_time: number | null;
   readonly remark: string;
@@ -127,6 +136,22 @@ export interface Effort extends EffortNumbers {
   readonly reference: EffortNumbers | null;
 }
 
+/** Spectra and step responses of the body rates, each table with a column for each axis. */
+export interface Response {
+  /** [Hz] */
+  readonly frequencies: Table;
+  /** [(rad/s)²/Hz] of the commands, and of the rates themselves. */
+  readonly commanded: Table;
+  readonly measured: Table;
+  /** [s] */
+  readonly lags: Table;
+  /** Rate after a unit step of its command, and its standard deviation; NaN where it cannot be told. */
+  readonly steps: Table;
+  readonly deviations: Table;
+  /** Share of the power of the rate that past commands explain. */
+  readonly explained: Table;
+}
+
 export interface Trace {
   readonly id: string;
   readonly label: string;
@@ -151,6 +176,7 @@ export interface Trace {
   readonly gate_distance: Table;
   readonly seen_times: Table;
   readonly effort: Effort | null;
+  readonly response?: Response | null;
 }
 
 export interface Repeat {
@@ -203,6 +229,9 @@ export interface Sensitivity {
   readonly completion: Table;
   readonly complete: Table;
   readonly by_segment: Table;
+  readonly cost_name?: string;
+  readonly cost?: Table;
+  readonly cost_by_segment?: Table;
 }
 
 /** What is left of thrust and body rates over what the plan needs, where that is least. */
@@ -235,6 +264,7 @@ export interface Configuration {
   readonly versions: Readonly<Record<string, string>>;
   readonly opened: readonly string[];
   readonly race_toml: string;
+  readonly parameters_toml?: string;
   readonly settings: Readonly<Record<string, unknown>>;
   readonly world: string;
   readonly files: Readonly<Record<string, string>>;

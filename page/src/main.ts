@@ -4,12 +4,15 @@ import "./theme.css";
 import "./layout.css";
 import { App, type Theme } from "./app";
 import { convergence } from "./charts/convergence";
+import { response } from "./charts/response";
 import { samples } from "./charts/samples";
 import { sensitivity } from "./charts/sensitivity";
 import { telemetry } from "./charts/telemetry";
 import { decode } from "./decode";
 import { h } from "./dom";
 import { listenToKeys } from "./keys";
+import { lastTime } from "./flight";
+import { keepLink } from "./link";
 import { follow } from "./live";
 import { configuration } from "./panels/configuration";
 import { effort } from "./panels/effort";
@@ -18,6 +21,7 @@ import { headline } from "./panels/headline";
 import { parameters } from "./panels/parameters";
 import { robustness } from "./panels/robustness";
 import { stage } from "./panels/stage";
+import { verdict } from "./panels/verdict";
 import { preparePrint } from "./print";
 
 function start(): void {
@@ -26,16 +30,17 @@ function start(): void {
   if (!text || !place) return;
   const plain = JSON.parse(text) as Record<string, unknown>;
   const app = new App(decode(plain), plain, preferred());
+  const timed = keepLink(app);
   chooseTheme(app);
   const still = document.getElementById("static");
   const map = still?.querySelector("svg") ?? null;
   const scene = stage(app, (map?.cloneNode(true) as SVGElement | undefined) ?? null);
-  const drawn = [convergence(app), telemetry(app), sensitivity(app), samples(app)] as const;
-  const [found, time, matter, pairs] = drawn.map((part) => part.element);
+  const drawn = [convergence(app), telemetry(app), sensitivity(app), samples(app), response(app)] as const;
+  const [found, time, matter, pairs, answer] = drawn.map((part) => part.element);
   const first = h("div", { class: "opening" }, scene.element, h("div", { class: "beside" }, parameters(app), robustness(app)));
   const columns = [h("div", { class: "column" }, found, matter), h("div", { class: "column" }, endings(app), effort(app), pairs)];
-  const rest = h("div", { class: "rest" }, time, ...columns, configuration(app));
-  place.append(headline(app), h("main", {}, first, rest));
+  const rest = h("div", { class: "rest" }, time, answer, ...columns, configuration(app));
+  place.append(headline(app), h("main", {}, verdict(app), first, rest));
   still?.setAttribute("hidden", "");
   for (const part of drawn) part.build();
   listenToKeys(app);
@@ -43,7 +48,7 @@ function start(): void {
   afterPaint(() => {
     const drawing = scene.start();
     preparePrint(app, drawing);
-    begin(app);
+    if (!timed) begin(app);
     if (drawing) Object.assign(window, { hotlap: { place: () => drawing.place, frames: () => drawing.view.frames, still: () => drawing.view.still() } });
   });
 }
@@ -53,9 +58,11 @@ function afterPaint(work: () => void): void {
   requestAnimationFrame(() => setTimeout(work));
 }
 
-/** Plays the flight once; a reader who prefers reduced motion sees the end of the lap with the whole trail. */
+/** Plays the flight once, unless the address names a part of it; a reader who prefers reduced motion sees the end of the flight with the whole trail. */
 function begin(app: App): void {
-  if (matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.seek(app.parts.scenario.value.lap_time);
+  const part = app.zoom.range.value;
+  if (part) app.clock.seek(part[0]);
+  else if (matchMedia("(prefers-reduced-motion: reduce)").matches) app.clock.seek(Math.min(app.parts.scenario.value.lap_time, ...app.parts.traces.value.slice(0, 1).map(lastTime)));
   else if (app.parts.traces.value.length) app.clock.play();
 }
 

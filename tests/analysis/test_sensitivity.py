@@ -40,9 +40,16 @@ def test_what_counts_loses_the_more_the_further(found):
     assert found.by_segment[1, 0] > 0.1
 
 
+def test_the_cost_tells_values_apart_where_no_gate_is_passed():
+    found = survey_sensitivity(make_scenario(), FakeWorld(), np.tile(20 * OPTIMUM, (2, 1)), seed=3)
+    assert np.ptp(found.completion) == 0
+    assert (np.ptp(found.cost, axis=1) > 0).any()
+
+
 def test_shapes_and_shares(found):
     assert found.completion.shape == found.complete.shape == (5, len(FACTORS))
-    assert found.by_segment.shape == (2, 5)
+    assert found.cost.shape == found.completion.shape
+    assert found.by_segment.shape == found.cost_by_segment.shape == (2, 5)
     assert ((found.complete >= 0) & (found.complete <= found.completion)).all()
 
 

@@ -13,6 +13,10 @@ from hotlap.cli import main
 ROW = re.compile(r"^\| `(\w+)` \| (.*) \|$", re.MULTILINE)
 COMMANDS = {
     "races": [],
+    "tracks": [],
+    "quadrotors": [],
+    "tuners": [],
+    "worlds": [],
     "check": ["circle-34"],
     "cache": [],
     "completion": ["bash"],
@@ -24,7 +28,19 @@ COMMANDS = {
     "export": ["study", "--format", "csv"],
     "report": ["study"],
     "landscape": ["circle-34", "--points", "2"],
-    "compare": ["circle-20", "--tuners", "random_search", "--seeds", "1", "--budget", "10", "--validation", "2", "--out", "comparison"],
+    "compare": [
+        "circle-20",
+        "--tuners",
+        "random_search,cma_es",
+        "--seeds",
+        "1",
+        "--budget",
+        "10",
+        "--validation",
+        "2",
+        "--out",
+        "comparison",
+    ],
 }
 
 

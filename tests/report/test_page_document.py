@@ -14,13 +14,13 @@ from hall import GATES, HALL, POINT, UNCOUNTED, make_hall
 from hotlap.core.ledger import Ledger
 from hotlap.core.seeds import Stream
 from hotlap.files import toml_writer
-from hotlap.files.descriptions import load_race
+from hotlap.files.descriptions import load_parameters, load_race
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.race.rotors import RotorLayout
 from hotlap.report.effort import Effort
 from hotlap.report.page.document import MOST_SAMPLES, dump_scenario, dump_study, dump_trace, write_json
 from hotlap.report.page.packing import MOST_ROWS, number, pack, thin
-from hotlap.report.page.replay import replay_finished, replay_running
+from hotlap.report.page.replay import replay_finished, replay_running, typical
 from hotlap.report.scene import trace
 from plausible_world import PlausibleWorld
 from studies import AnyVehicle, begin, carry, configure
@@ -102,14 +102,29 @@ def test_every_flight_is_there_in_the_order_of_the_ledger(study, whole):
 
 def test_traces_are_flights_of_their_own_noise(study, whole):
     assert [trace["id"] for trace in whole["traces"]] == ["best", "first", "default"]
-    (seed,) = {trace["seed"] for trace in whole["traces"]}
-    assert seed not in study.ledger.seeds
+    assert not {trace["seed"] for trace in whole["traces"]} & set(study.ledger.seeds.tolist())
     for flown in whole["traces"]:
         rows = flown["time"]["shape"][0]
         for name, width in {"position": 3, "attitude": 4, "rates": 3, "rotor_thrusts": 4, "command_rates": 3}.items():
             assert flown[name]["shape"] == [rows, width]
         assert flown["speed"]["shape"] == flown["error"]["shape"] == flown["command_thrust"]["shape"] == [rows]
         assert set(flown["effort"]) - {"reference"} == set(flown["effort"]["reference"])
+
+
+def test_the_means_say_over_how_many_flights_they_are(study, whole):
+    kept, best = whole["headline"]["kept"], study.result.best
+    assert (kept["flights"], kept["cost"], kept["selection_flights"]) == (best.flights, best.cost, study.result.selection_flights)
+
+
+@pytest.mark.parametrize("recorded", [[0, 1, 2, 3, 4], [0, 2], [3]])
+def test_the_flight_that_is_shown_is_the_recorded_one_nearest_the_middle(recorded):
+    scenario = make_scenario()
+    parameters = np.tile(scenario.space.first_guess(len(scenario.segments)), (5, 1, 1))
+    flown = PlausibleWorld().fly(scenario, parameters, np.arange(5), log=recorded)
+    flown = replace(flown, gates_passed=np.array([1, 4, 4, 4, 0]), mean_error=np.array([0.1, 0.3, 0.2, 0.1, np.nan]))
+    order = [4, 0, 1, 2, 3]  # by gates passed, then by error, the worst first
+    ranks = {index: abs(order.index(index) - 2) for index in recorded}
+    assert ranks[typical(flown, slice(0, 5))] == min(ranks.values())
 
 
 def test_repeats_add_up(whole):
@@ -134,6 +149,11 @@ def test_the_race_can_be_read_again(whole, study, tmp_path):
     (tmp_path / "race.toml").write_text(whole["configuration"]["race_toml"], encoding="utf-8")
     assert load_race(tmp_path / "race.toml") == study.configuration.scenario.race
     assert toml_writer.write(study.configuration.scenario.race.model_dump(mode="json", exclude_none=True))
+
+
+def test_the_parameters_can_be_read_again(whole, study, tmp_path):
+    (tmp_path / "parameters.toml").write_text(whole["configuration"]["parameters_toml"], encoding="utf-8")
+    np.testing.assert_array_equal(load_parameters(tmp_path / "parameters.toml").values, study.best)
 
 
 def test_the_command_is_the_one_that_was_given_and_names_the_first_guess(tmp_path, whole):

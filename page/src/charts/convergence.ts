@@ -2,12 +2,13 @@
 import uPlot from "uplot";
 import type { App } from "../app";
 import { type Palette, palette } from "../colours";
-import type { Flights } from "../data";
+import type { Flights, Headline } from "../data";
 import type { Table } from "../table";
 import { card, h } from "../dom";
 import { digits, percent } from "../format";
+import { meanOf } from "../panels/verdict";
 import { type Drawing, Frame } from "./frame";
-import { mark, type Shape } from "./marks";
+import { level, mark, type Shape } from "./marks";
 
 const SEARCH = 0;
 const VALIDATION = 2;
@@ -26,8 +27,8 @@ export function convergence(app: App): { readonly element: HTMLElement; readonly
   const name = h("span", {}, "cost");
   const [completion, cost] = ["completion", "cost"].map((what) => h("div", { class: "plot", role: "img", "aria-label": `${what} of every flight in the order flown` }));
   const frames = [
-    new Frame(app, completion, 150, (colours) => draw(app, colours, (flights) => flights.completion, true), listen(app, said)),
-    new Frame(app, cost, 190, (colours) => draw(app, colours, (flights) => flights.cost, false), listen(app, said)),
+    new Frame(app, completion, 150, (colours) => draw(app, colours, (flights) => flights.completion, app.parts.headline.value, true), listen(app, said)),
+    new Frame(app, cost, 190, (colours) => draw(app, colours, (flights) => flights.cost, app.parts.headline.value, false), listen(app, said)),
   ];
   const build = (): void => {
     const flights = app.parts.flights.value;
@@ -36,19 +37,21 @@ export function convergence(app: App): { readonly element: HTMLElement; readonly
     for (const frame of frames) frame.build();
   };
   app.parts.flights.after(build);
+  app.parts.headline.after(build);
   app.theme.after(build);
   const upper = h("figure", { class: "chart" }, h("figcaption", {}, "completion [%]"), completion);
   const lower = h("figure", { class: "chart" }, h("figcaption", {}, name), cost);
-  const note = "Every flight in the order flown; the line is the best search flight so far.";
+  const note = "Every flight in the order flown; line: the best single search flight so far, which may be lucky; dashed: the tuned parameters, the mean of their flights.";
   return { element: card("convergence", "Convergence of the search", note, key, upper, lower, said), build };
 }
 
-function draw(app: App, colours: Palette, of: (flights: Flights) => Table, share: boolean): Drawing | null {
+function draw(app: App, colours: Palette, of: (flights: Flights) => Table, summary: Headline, share: boolean): Drawing | null {
   const flights = app.parts.flights.value;
   const rows = flights ? searchRows(flights) : [];
   if (!flights || !rows.length) return null;
   const values = rows.map((i) => of(flights).values[i] * (share ? 100 : 1));
-  const known = values.filter(Number.isFinite);
+  const kept = summary.kept?.flights ? (share ? 100 * (summary.completion ?? NaN) : (summary.kept.cost ?? NaN)) : NaN;
+  const known = [...values, kept].filter(Number.isFinite);
   const low = Math.min(...known);
   const high = Math.max(...known);
   const logarithmic = !share && low > 0 && high > 3 * low;
@@ -64,6 +67,7 @@ function draw(app: App, colours: Palette, of: (flights: Flights) => Table, share
     yValues: (value) => (share && value > 100 ? "" : digits(value)),
     ...(logarithmic ? { ySplits: decades(...edges) } : {}),
     above: (plot, pen) => {
+      if (Number.isFinite(kept)) level(plot, pen, kept, `tuned, ${meanOf(summary.kept?.flights ?? 0)}`, colours, share && kept > 50, true);
       const size = (rows.length <= 80 ? 4 : rows.length <= 300 ? 3 : 2) * uPlot.pxRatio;
       rows.forEach((row, i) => {
         if (!Number.isFinite(values[i])) return;
@@ -78,7 +82,7 @@ function draw(app: App, colours: Palette, of: (flights: Flights) => Table, share
 function kinds(colours: Palette): readonly Kind[] {
   const search = (flights: Flights, row: number): boolean => flights.stream[row] === SEARCH;
   return [
-    { shape: "disc", colour: colours.accent, name: "accepted", of: (flights, row) => search(flights, row) && Boolean(flights.accepted[row]) },
+    { shape: "disc", colour: colours.accent, name: "accepted by the tuner", of: (flights, row) => search(flights, row) && Boolean(flights.accepted[row]) },
     { shape: "ring", colour: colours.accent, name: "rejected", of: (flights, row) => search(flights, row) },
     { shape: "diamond", colour: colours.again, name: "re-flight", of: (flights, row) => Boolean(flights.succeeded[row]) },
     { shape: "cross", colour: colours.failure, name: "failed re-flight", of: () => true },

@@ -5,6 +5,8 @@ import type { App } from "../app";
 
 export const FONT = "12px system-ui, sans-serif";
 
+const OVER = 8; // px that marks may reach beyond the axes
+
 export interface Drawing {
   readonly data: uPlot.AlignedData;
   readonly series: uPlot.Series[];
@@ -66,6 +68,10 @@ export class Frame {
     const grid = { stroke: colours.faint, width: 1 };
     const draw = (call?: Drawing["above"]) => (plot: uPlot): void => {
       plot.ctx.save();
+      const { left, top, width, height } = plot.bbox;
+      plot.ctx.beginPath();
+      plot.ctx.rect(left - OVER, top - OVER, width + 2 * OVER, height + 2 * OVER);
+      plot.ctx.clip();
       plot.ctx.font = `${12 * uPlot.pxRatio}px system-ui, sans-serif`;
       call?.(plot, plot.ctx);
       plot.ctx.restore();

@@ -21,16 +21,17 @@ export function beyond(plot: uPlot, pen: CanvasRenderingContext2D, limits: reado
 }
 
 /** A level with its name. */
-export function level(plot: uPlot, pen: CanvasRenderingContext2D, value: number, text: string, colours: Palette, under = false): void {
+export function level(plot: uPlot, pen: CanvasRenderingContext2D, value: number, text: string, colours: Palette, under = false, dashed = false): void {
   const { left, width } = plot.bbox;
   const y = up(plot, value);
   pen.strokeStyle = colours.quiet;
   pen.lineWidth = uPlot.pxRatio;
-  pen.setLineDash([]);
+  pen.setLineDash(dashed ? [5 * uPlot.pxRatio, 4 * uPlot.pxRatio] : []);
   pen.beginPath();
   pen.moveTo(left, y);
   pen.lineTo(left + width, y);
   pen.stroke();
+  pen.setLineDash([]);
   pen.fillStyle = colours.quiet;
   pen.textAlign = "right";
   pen.textBaseline = under ? "top" : "bottom";

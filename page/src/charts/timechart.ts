@@ -8,6 +8,7 @@ import { find, lastTime, lengths, progress } from "../flight";
 import { digits } from "../format";
 import { h } from "../dom";
 import { type Drawing, Frame } from "./frame";
+import { listenToPointer } from "./pointer";
 import { beyond, scenario as drawScenario, level, mark } from "./marks";
 
 const OFTEN = 100; // ms; numbers that change faster cannot be read
@@ -51,14 +52,29 @@ export class TimeChart {
     this.element = h("figure", { class: "chart" }, h("figcaption", {}, h("span", {}, `${title} [${unit}]`), this.readout), host);
     this.frame = new Frame(app, host, height, (colours) => this.draw(colours), (plot) => this.attach(plot));
     const { traces, scenario } = app.parts;
-    for (const signal of [traces, scenario, app.visible, app.axis, app.theme]) signal.after(() => this.frame.build());
+    for (const signal of [traces, scenario, app.visible, app.axis, app.theme]) signal.after(() => this.build());
+    app.zoom.range.after(() => this.look());
     app.lit.after(() => this.frame.plot?.redraw(false));
     app.clock.time.after(() => this.point());
     app.clock.playing.after(() => this.point());
   }
 
+  /** Draws anew, unless nobody sees it. */
   build(): void {
-    this.frame.build();
+    if (!this.element.hidden) this.frame.build();
+  }
+
+  /** The part of the axis that is shown. */
+  private get shown(): [number, number] {
+    const [start, end] = this.app.zoom.shown;
+    return this.app.zoom.range.value ? [this.place(start), this.place(end)] : [0, this.grid[this.grid.length - 1] ?? 1];
+  }
+
+  private look(): void {
+    const [min, max] = this.shown;
+    if (this.element.hidden || max <= min) return;
+    this.frame.plot?.setScale("x", { min, max });
+    this.point();
   }
 
   private draw(colours: Palette): Drawing {
@@ -80,9 +96,9 @@ export class TimeChart {
         ...base.map(() => ({ stroke: colours.quiet, width: 1, points: { show: false } })),
         ...ordered.map(({ id }) => ({ stroke: flightColour(app.theme.value, id), width: 1.5, dash: [...(DASHES[id] ?? [])], points: { show: false } })),
       ],
-      x: { range: [0, this.grid[this.grid.length - 1] ?? 1] },
+      x: { range: () => this.shown },
       y: { range: () => this.range(base.flat()) },
-      xValues: (value) => (along ? `${value} m` : `${value} s`),
+      xValues: (value) => `${Number(value.toFixed(3))} ${along ? "m" : "s"}`,
       yValues: (value) => digits(value),
       below: (plot, pen) => {
         if (quantity.limits) beyond(plot, pen, quantity.limits, colours);
@@ -134,7 +150,8 @@ export class TimeChart {
   private range(base: readonly number[]): [number, number] {
     const { limits, line, most, between } = this.quantity();
     if (between) return [...between];
-    const values = [...this.lines.flatMap((line) => line.values), ...base, ...(limits ?? []), line?.value ?? null];
+    const rows = this.rows();
+    const values = [...this.lines.flatMap((line) => line.values.slice(...rows)), ...base.slice(...rows), ...(limits ?? []), line?.value ?? null];
     let [low, high] = [Infinity, -Infinity];
     for (const value of values) {
       if (value === null || !Number.isFinite(value)) continue;
@@ -147,27 +164,30 @@ export class TimeChart {
     return [limits && low >= 0 && (limits[0] ?? 0) >= 0 ? 0 : low >= 0 ? 0 : low - margin, high + margin];
   }
 
+  /** Rows of the grid that are shown, the last not among them. */
+  private rows(): [number, number] {
+    const [low, high] = this.shown;
+    return [Math.floor(find(this.grid, low)), Math.ceil(find(this.grid, high)) + 1];
+  }
+
   private attach(plot: uPlot): void {
     const { over } = plot;
     if (this.cursor.parentElement !== over) {
       over.append(this.cursor);
-      const seek = (event: PointerEvent): void => this.seek(event.clientX - over.getBoundingClientRect().left);
-      over.addEventListener("pointerenter", () => this.app.clock.freeze());
-      over.addEventListener("pointermove", seek);
-      over.addEventListener("pointerdown", seek);
-      for (const name of ["pointerleave", "pointercancel"]) over.addEventListener(name, () => this.app.clock.release());
+      listenToPointer(this.app, over, (pixels) => this.timeAt(pixels));
     }
     this.point();
   }
 
-  private seek(pixels: number): void {
+  /** Time [s] at a place [px] of the chart. */
+  private timeAt(pixels: number): number {
     const plot = this.frame.plot;
-    if (!plot) return;
+    if (!plot) return this.app.clock.time.value;
     const times = this.app.parts.scenario.value.reference.time.values;
     const at = find(this.grid, plot.posToVal(pixels, "x"));
     const low = Math.floor(at);
     const high = Math.min(low + 1, times.length - 1);
-    this.app.clock.seek(times[low] + (at - low) * (times[high] - times[low]));
+    return times[low] + (at - low) * (times[high] - times[low]);
   }
 
   /** Where a time [s] lies on the axis. */
@@ -181,9 +201,11 @@ export class TimeChart {
   /** Cursor and numbers at the clock's time. */
   private point(): void {
     const plot = this.frame.plot;
-    if (!plot) return;
+    if (!plot || this.element.hidden) return;
     const x = this.place(this.app.clock.time.value);
-    this.cursor.style.transform = `translateX(${plot.valToPos(x, "x")}px)`;
+    const [first, last] = this.shown;
+    this.cursor.hidden = x < first || x > last;
+    this.cursor.style.transform = `translateX(${((x - first) / (last - first)) * plot.over.clientWidth}px)`; // the plot itself takes a new part only later
     const now = performance.now();
     if (this.app.clock.playing.value && now - this.said < OFTEN) return;
     this.said = now;

@@ -25,14 +25,19 @@ export function endings(app: App): HTMLElement {
   return card("endings", "Success rates and failures", "Each set of parameters was flown again with the same new noise: flights that passed all gates, with the 95 % interval. Red crosses in the scene show where the others failed.", body);
 }
 
-/** Failures of one set of parameters by gate: "18 missed gate 13, 14 hit the floor before gate 4". */
-function failures(repeat: Repeat): HTMLElement {
+/** How the failed flights ended, the most frequent first: "18 missed gate 13, 14 hit the floor before gate 4"; "" where none is known. */
+export function endingsOf(repeat: Repeat): string {
   const counts = new Map<string, number>();
   for (const text of repeat.ends) counts.set(text, (counts.get(text) ?? 0) + 1);
   const sorted = [...counts].sort((a, b) => b[1] - a[1]);
   const texts = sorted.slice(0, MOST).map(([text, number]) => `${number} ${text}`);
   const rest = sorted.slice(MOST).reduce((sum, [, number]) => sum + number, 0);
-  if (rest) texts.push(`${rest} elsewhere`);
-  if (!texts.length) return h("span", { class: "quiet" }, repeat.complete === repeat.flights ? "none failed" : `${percent(1 - repeat.complete / repeat.flights)} failed`);
-  return h("span", {}, h("b", { class: "sign cross", "aria-hidden": "true" }, "×"), texts.join(", "));
+  return [...texts, ...(rest ? [`${rest} otherwise`] : [])].join(", ");
+}
+
+/** Failures of one set of parameters. */
+function failures(repeat: Repeat): HTMLElement {
+  const texts = endingsOf(repeat);
+  if (!texts) return h("span", { class: "quiet" }, repeat.complete === repeat.flights ? "none failed" : `${percent(1 - repeat.complete / repeat.flights)} failed`);
+  return h("span", {}, h("b", { class: "sign cross", "aria-hidden": "true" }, "×"), texts);
 }

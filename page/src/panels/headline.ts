@@ -2,7 +2,11 @@
 import type { App } from "../app";
 import type { Headline } from "../data";
 import { h, renew } from "../dom";
+import { copyButton } from "../clipboard";
 import { count, interval, percent, seconds } from "../format";
+import { addressOf } from "../link";
+import { help } from "./help";
+import { failed, meanOf } from "./verdict";
 
 export function headline(app: App): HTMLElement {
   const body = h("div", { class: "headline" });
@@ -12,13 +16,15 @@ export function headline(app: App): HTMLElement {
     theme.setAttribute("aria-label", `switch to ${theme.textContent} colours`);
   });
   app.parts.headline.watch((summary) => renew(body, title(summary), h("dl", { class: "facts" }, ...facts(summary))));
-  return h("header", { class: "top" }, body, theme);
+  const link = copyButton("link", "link", () => addressOf(app), "a link to this view: key L");
+  link.classList.add("plain");
+  return h("header", { class: "top" }, body, h("div", { class: "tools" }, help(), link, theme));
 }
 
 function title(summary: Headline): HTMLElement {
   const mistaken = (summary.mistaken ?? []).map((name) => name.replaceAll("_", " ")).join(", ");
   const vehicle = [summary.vehicle, latency(summary.latency_unknown ?? 0)];
-  const work = summary.state === "running" ? `running: ${summary.flights} of ${summary.budget} flights` : `tuned in ${count(summary.flights, "flight")}`;
+  const work = summary.state === "running" ? `running: ${summary.flights} of ${summary.budget} flights` : `${failed(summary) ? "not solved" : "tuned"} in ${count(summary.flights, "flight")}${chosen(summary)}`;
   const time = summary.wall_time === null ? "" : `, ${summary.wall_time < 100 ? summary.wall_time.toFixed(1) : Math.round(summary.wall_time)} s`;
   return h(
     "div",
@@ -31,6 +37,11 @@ function title(summary: Headline): HTMLElement {
   );
 }
 
+/** Flights that are beside the budget. */
+function chosen({ kept }: Headline): string {
+  return kept?.selection_flights ? ` (and ${kept.selection_flights} more to choose among what was found)` : "";
+}
+
 /** Dead time of the vehicle [s] that the controller does not predict (positive), or predicts too much (negative), in words. */
 function latency(unknown: number): string {
   const milliseconds = Math.abs(Math.round(1000 * unknown));
@@ -39,12 +50,13 @@ function latency(unknown: number): string {
 
 function facts(summary: Headline): HTMLElement[] {
   const plan = summary.planned_lap_time === null ? "" : `plan ${seconds(summary.planned_lap_time)}`;
+  const laps = summary.lap_time === null ? "no flight passed every gate" : failed(summary) ? "of the few flights that passed every gate" : "";
   const { validation } = summary;
   return [
-    fact("lap time", seconds(summary.lap_time), plan),
+    fact("lap time", seconds(summary.lap_time), [laps, plan].filter(Boolean).join("; ")),
     fact("gates passed", percent(summary.completion), ...confirmation(summary)),
     validation
-      ? fact("success rate", percent(validation.rate), `${validation.successes} of ${validation.flights} validation flights; 95 % interval ${interval(validation)}`)
+      ? fact("success rate", percent(validation.rate), `${validation.successes} of ${validation.flights} validation flights; 95 % interval ${interval(validation)}`, validation.rate < 0.5 ? "bad" : "")
       : fact("success rate", "–", "not validated"),
   ];
 }
@@ -55,6 +67,8 @@ function fact(name: string, value: string, detail: string, state = ""): HTMLElem
 
 /** Whether the best parameters were confirmed by re-flights, and the class of the text. */
 function confirmation(summary: Headline): [string, string] {
+  const mean = summary.kept?.flights ? `; ${meanOf(summary.kept.flights)}` : "";
   if (summary.confirmed) return [`confirmed in ${summary.confirm} of ${summary.confirm} re-flights`, ""];
-  return summary.state === "running" ? ["not yet confirmed", ""] : ["not confirmed", "bad"];
+  if (summary.goal === "none") return [`no goal to confirm${mean}`, ""];
+  return summary.state === "running" ? [`not yet confirmed${mean}`, ""] : [`not confirmed${mean}`, "bad"];
 }

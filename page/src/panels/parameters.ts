@@ -1,8 +1,9 @@
 /** Parameters of a segment: default, first guess and tuned value on a logarithmic axis, and how much completion depends on each. */
 import type { App } from "../app";
-import type { ParameterSet } from "../data";
+import type { ParameterSet, Sensitivity } from "../data";
 import type { Table } from "../table";
 import { card, h, renew, s } from "../dom";
+import { flat } from "../charts/sensitivity";
 import { digits, percent, symbol } from "../format";
 import { segmentSwitch } from "./segments";
 
@@ -15,9 +16,9 @@ export function parameters(app: App): HTMLElement {
     if (!set) return renew(body, "No parameters yet.");
     const count = set.best.shape[0];
     const segment = Math.min(app.pointed.value ?? app.chosen.value, count - 1);
-    const losses = app.parts.sensitivity.value?.by_segment ?? null;
+    const losses = lossesOf(app.parts.sensitivity.value);
     const rows = set.names.map((_, k) => row(set, segment, k, losses));
-    renew(body, h("table", { class: "parameters" }, head(losses !== null), h("tbody", {}, ...rows)), kept(set), all(set, app.parts.scenario.value.segment_names));
+    renew(body, h("table", { class: "parameters" }, head(losses), h("tbody", {}, ...rows)), h("p", { class: "note small" }, explain(set), losses ? ` ${losses.explanation}` : ""), kept(set), all(set, app.parts.scenario.value.segment_names));
   };
   const { parameters: set, sensitivity, scenario } = app.parts;
   for (const signal of [set, sensitivity, scenario, app.chosen, app.pointed]) signal.after(build);
@@ -30,23 +31,58 @@ function kept(set: ParameterSet): HTMLElement | null {
   return set.best.values.every((value, i) => value === set.first.values[i]) ? h("p", { class: "quiet" }, "The search found nothing better than the first guess.") : null;
 }
 
-function head(losses: boolean): HTMLElement {
-  const names = ["", "first → tuned", "□\u00a0default ○\u00a0first ●\u00a0tuned"];
-  const last = losses ? h("th", { scope: "col", title: "share of the gates that is lost when the value is multiplied by 1/4 or 4 (at most to its bound) in this segment alone" }, "gates lost if changed") : null;
-  return h("thead", {}, h("tr", {}, ...names.map((name) => h("th", { scope: "col" }, name)), last));
+const MEANINGS: Readonly<Record<string, string>> = { Q_pos_xy: "position across", Q_pos_z: "height", Q_attitude: "attitude", Q_velocity: "velocity" };
+
+/** What the letters stand for, and in which unit. */
+function explain(set: ParameterSet): Node | string {
+  const words: (Node | string)[] = [];
+  const weights = set.names.flatMap((name, k) => (MEANINGS[name] ? [k] : []));
+  weights.forEach((k, i) => words.push(i ? ", " : "", symbol(set.symbols[k]), ` ${MEANINGS[set.names[k]]}`));
+  if (weights.length) words.push(": weights of deviations in what the controller minimises, without unit. ");
+  const horizon = set.names.indexOf("horizon");
+  if (horizon >= 0) words.push(symbol(set.symbols[horizon]), `: how far ahead the controller plans, in multiples of ${set.units[horizon]}.`);
+  return h("span", {}, ...words);
 }
 
-function row(set: ParameterSet, segment: number, k: number, losses: Table | null): HTMLElement {
+/** What a wrong value costs in each segment, (S, K). */
+interface Losses {
+  readonly table: Table;
+  readonly title: string;
+  readonly write: (loss: number) => string;
+  readonly share: (loss: number) => number;
+  readonly explanation: string;
+}
+
+/** Gates that are lost; where no value loses any, the rise of the cost. */
+function lossesOf(flown: Sensitivity | null): Losses | null {
+  if (!flown) return null;
+  const how = "when the value is multiplied by ¼ and by 4 (at most to its bounds) in this segment alone, the mean of both";
+  const none = Math.max(...flown.by_segment.values.map(Math.abs)) < 0.005;
+  if (!none || !flown.cost_by_segment || !flat(flown)) {
+    return { table: flown.by_segment, title: "gates lost if changed", write: (loss) => percent(loss).replace("-", "−"), share: (loss) => loss, explanation: `Gates lost ${how}; a minus: gates gained.` };
+  }
+  const table = flown.cost_by_segment;
+  const most = Math.max(...table.values.filter(Number.isFinite).map(Math.abs), 1e-9);
+  const unit = /\[(.*)\]/.exec(flown.cost_name ?? "")?.[1] ?? "";
+  return { table, title: "cost added if changed", write: (loss) => `${digits(loss)} ${unit}`.trim(), share: (loss) => loss / most, explanation: `No change alters the gates that are passed; cost added ${how}; a minus: a lower cost.` };
+}
+
+function head(losses: Losses | null): HTMLElement {
+  const names = ["", "first → tuned", "□\u00a0default ○\u00a0first ●\u00a0tuned"];
+  return h("thead", {}, h("tr", {}, ...names.map((name) => h("th", { scope: "col" }, name)), losses ? h("th", { scope: "col" }, losses.title) : null));
+}
+
+function row(set: ParameterSet, segment: number, k: number, losses: Losses | null): HTMLElement {
   const at = (table: Table): number => table.values[segment * set.names.length + k];
-  const unit = set.units[k] ? ` × ${set.units[k]}` : "";
-  const loss = losses ? losses.values[segment * set.names.length + k] : null;
+  const unit = Number.parseFloat(set.units[k]);
+  const whole = set.units[k] ? h("span", { class: "quiet" }, ` × ${set.units[k]}`, Number.isFinite(unit) ? h("br") : null, Number.isFinite(unit) ? `= ${digits(unit * at(set.best))} s` : null) : null;
   return h(
     "tr",
     {},
     h("th", { scope: "row", title: set.names[k] }, symbol(set.symbols[k] ?? set.names[k])),
-    h("td", { class: "number" }, `${digits(at(set.first))} → `, h("b", {}, digits(at(set.best))), unit ? h("span", { class: "quiet" }, unit) : null),
+    h("td", { class: "number" }, `${digits(at(set.first))} → `, h("b", {}, digits(at(set.best))), whole),
     h("td", {}, axis(set, k, at)),
-    loss === null ? null : h("td", { class: "loss" }, h("i", { style: `width:${(40 * Math.min(1, loss)).toFixed(1)}px`, "aria-hidden": "true" }), percent(Math.max(0, loss))),
+    losses ? h("td", { class: "loss" }, h("i", { style: `width:${(40 * Math.min(1, Math.max(0, losses.share(at(losses.table))))).toFixed(1)}px`, "aria-hidden": "true" }), losses.write(at(losses.table))) : null,
   );
 }
 

@@ -3,6 +3,7 @@ import type { App } from "../app";
 import type { Cause, Interval, Margin, Robustness } from "../data";
 import { card, h, renew, s } from "../dom";
 import { interval, percent } from "../format";
+import { failed } from "./verdict";
 
 const WIDTH = 120;
 const LONG = 20; // characters of a condition, beyond which it has a line of its own
@@ -10,7 +11,12 @@ const LONG = 20; // characters of a condition, beyond which it has a line of its
 export function robustness(app: App): HTMLElement {
   const body = h("div", {});
   const advice = h("div", {});
-  app.parts.advice.watch((lines) => renew(advice, lines.length ? h("h3", {}, "What to try") : null, lines.length ? h("ul", { class: "advice" }, ...lines.map((line) => h("li", {}, line))) : null));
+  const advise = (): void => {
+    const lines = failed(app.parts.headline.value) ? [] : app.parts.advice.value; // a failed study says it first of all
+    renew(advice, lines.length ? h("h3", {}, "What to try") : null, lines.length ? h("ul", { class: "advice" }, ...lines.map((line) => h("li", {}, line))) : null);
+  };
+  app.parts.headline.after(advise);
+  app.parts.advice.watch(advise);
   app.parts.robustness.watch((rows) => renew(body, rows.length ? table(rows) : "Not flown: the simulator takes no other vehicle, or the study is still running."));
   return card("robustness", "Robustness", "Will it hold? Success rate of the tuned parameters when vehicle, wind or noise differ from those they were tuned with; whiskers: 95 % interval; ×: thrust that is there over thrust that is needed.", body, advice);
 }

@@ -25,7 +25,18 @@ export function slider(app: App): HTMLElement {
     light(bands, app.lit.value);
   });
   app.lit.after((segment) => light(bands, segment));
-  return h("div", { class: "slider" }, bands, input);
+  return h("div", { class: "slider" }, bands, window(app), input);
+}
+
+/** The part of the lap that the charts show. */
+function window(app: App): HTMLElement {
+  const element = h("div", { class: "bands", "aria-hidden": "true" });
+  app.zoom.range.watch((range) => {
+    const share = (time: number): string => `${(100 * time) / app.clock.duration}%`;
+    renew(element, range && h("div", { class: "window", style: `left:${share(range[0])};width:${share(range[1] - range[0])}` }));
+  });
+  element.style.pointerEvents = "none";
+  return element;
 }
 
 function band(app: App, segment: number, left: string, width: string, name: string): HTMLElement {

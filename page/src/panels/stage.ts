@@ -9,7 +9,7 @@ import { slider } from "./slider";
 
 const CAMERAS: readonly Camera[] = ["follow", "orbit", "top"];
 
-const HINT = "Keys: space plays and stops; ← → move the clock; , . jump from gate to gate; 1 2 3 choose the camera";
+const HINT = "Keys: space plays and stops; ← → move the clock; , . jump from gate to gate; 1 2 3 choose the camera; ? lists them all";
 
 export interface Stage {
   readonly element: HTMLElement;
@@ -22,7 +22,7 @@ export function stage(app: App, map: SVGElement | null): Stage {
   const ground = h("span", { class: "quiet" });
   const place = h("div", { class: "scene" }, canvas);
   const framed = h("div", { class: "framed" }, h("div", { class: "scene-top" }, chips(app), cameras(app)), place, h("div", { class: "scene-foot" }, ground, scale(app)));
-  const element = h("section", { class: "stage", "aria-label": "The flight" }, framed, controls(app), h("p", { class: "hint quiet" }, HINT));
+  const element = h("section", { class: "stage", "aria-label": "The flight" }, framed, controls(app), h("p", { class: "hint quiet" }, HINT), shown(app));
   const start = (): TrackScene | null => {
     try {
       const scene = new TrackScene(app, canvas);
@@ -39,6 +39,26 @@ export function stage(app: App, map: SVGElement | null): Stage {
   return { element, start };
 }
 
+/** What the flights in the scene are, and what its crosses mean. */
+function shown(app: App): HTMLElement {
+  const element = h("p", { class: "note small", id: "shown-flights" });
+  const build = (): void => {
+    const repeats = app.parts.repeats.value.filter((repeat) => app.visible.value.has(repeat.id));
+    const flights = Math.max(0, ...repeats.map((repeat) => repeat.flights));
+    const failures = repeats.filter((repeat) => repeat.failures.shape[0] > 0);
+    const ended = failures.map((repeat) => `${repeat.flights - repeat.complete} of ${repeat.flights} ${repeat.label}`).join(", ");
+    renew(
+      element,
+      flights > 1 ? `Each line is a typical flight: of ${flights} with the same parameters one near the middle, by gates passed, then by tracking error. ` : null,
+      failures.length ? h("b", { class: "sign cross", "aria-hidden": "true" }, "×") : null,
+      failures.length ? `where the flights ended that failed: ${ended}.` : null,
+    );
+  };
+  app.parts.repeats.after(build);
+  app.visible.watch(build);
+  return element;
+}
+
 /** Buttons that show or hide flights, with the end of each. */
 function chips(app: App): HTMLElement {
   const element = h("div", { class: "chips", role: "group", "aria-label": "Visible flights" });
@@ -52,13 +72,21 @@ function chips(app: App): HTMLElement {
           h("i", { class: `dash ${trace.id}`, "aria-hidden": "true" }),
           h("b", {}, trace.label),
           h("span", { class: trace.failed ? "bad" : "quiet" }, trace.failed ? `× ${trace.ending}` : trace.ending),
+          rateOf(app, trace.id),
         ),
       ),
     );
   app.parts.traces.after(build);
+  app.parts.repeats.after(build);
   app.visible.after(build);
   build();
   return element;
+}
+
+/** How many of all flights with the same parameters passed every gate. */
+function rateOf(app: App, id: string): HTMLElement | null {
+  const repeat = app.parts.repeats.value.find((one) => one.id === id);
+  return repeat && repeat.flights > 1 ? h("span", { class: "quiet", title: "flights that passed every gate" }, `(${repeat.complete} of ${repeat.flights} pass)`) : null;
 }
 
 function cameras(app: App): HTMLElement {

@@ -3,6 +3,7 @@ import { PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Camera } from "../app";
 import type { Scenario } from "../data";
+import type { Signal } from "../signal";
 import { row } from "../table";
 import { between, find } from "../flight";
 import type { Extent } from "./backdrop";
@@ -17,18 +18,19 @@ export class Cameras {
   private kind: Camera = "orbit";
   private readonly middle: Vector3;
   private readonly points: readonly Vector3[];
-  private kept: { position: Vector3; target: Vector3 } | null = null;
 
   constructor(
     private readonly scenario: Scenario,
     private readonly extent: Extent,
     canvas: HTMLCanvasElement,
     changed: () => void,
+    private readonly eye: Signal<readonly number[] | null>,
   ) {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = false;
     this.controls.addEventListener("change", changed);
+    this.controls.addEventListener("end", () => this.keep());
     canvas.style.touchAction = "pan-y"; // a finger that moves up or down moves the page
     this.middle = new Vector3(...extent.low).add(new Vector3(...extent.high)).multiplyScalar(0.5);
     this.points = sight(scenario);
@@ -37,7 +39,6 @@ export class Cameras {
 
   /** Chooses the camera. */
   show(kind: Camera): void {
-    if (this.kind === "orbit" && kind !== "orbit") this.keep();
     this.kind = kind;
     this.controls.enabled = kind !== "follow";
     this.controls.enableRotate = kind === "orbit";
@@ -75,14 +76,15 @@ export class Cameras {
     return Math.max(Math.min(5, longest / 2), 4 * this.scenario.gate_distance);
   }
 
+  /** What the reader has turned the scene to stays. */
   private keep(): void {
-    this.kept = { position: this.camera.position.clone(), target: this.controls.target.clone() };
+    if (this.kind === "orbit") this.eye.value = [...this.camera.position.toArray(), ...this.controls.target.toArray()];
   }
 
   private lookAround(): void {
-    if (this.kept) {
-      this.camera.position.copy(this.kept.position);
-      this.controls.target.copy(this.kept.target);
+    if (this.eye.value) {
+      this.camera.position.fromArray([...this.eye.value]);
+      this.controls.target.fromArray([...this.eye.value], 3);
       return;
     }
     const [wide, deep] = [0, 1].map((k) => this.extent.high[k] - this.extent.low[k]);

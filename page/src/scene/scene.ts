@@ -33,15 +33,17 @@ export class TrackScene {
   ) {
     this.view = new View(canvas, () => this.prepare());
     const scenario = app.parts.scenario.value;
-    this.cameras = new Cameras(scenario, extent(scenario), canvas, () => this.view.invalidate());
+    this.cameras = new Cameras(scenario, extent(scenario), canvas, () => this.view.invalidate(), app.eye);
     this.build();
     const { scenario: scenarios, traces, repeats } = app.parts;
     for (const signal of [scenarios, traces, repeats, app.visible, app.theme]) signal.after(() => this.build());
     for (const signal of [app.clock.time, app.lit]) signal.after(() => this.view.invalidate());
-    app.camera.watch((kind) => {
-      this.cameras.show(kind);
+    const look = (): void => {
+      this.cameras.show(app.camera.value);
       this.view.invalidate();
-    });
+    };
+    app.eye.after(look);
+    app.camera.watch(look);
   }
 
   /** [m] side of a cell of the grid. */

@@ -1,4 +1,4 @@
-"""Sensitivity: completion when one tuned parameter is multiplied by a factor, in all segments or in one alone."""
+"""Sensitivity: completion and cost when one tuned parameter is multiplied by a factor, in all segments or in one alone."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.reference.scenario import Scenario
+from hotlap.tuning.scoring import Metric, score
 from hotlap.worlds.world import World
 
 Floats = NDArray[np.float64]
@@ -30,6 +31,8 @@ class Sensitivity:
         completion: shape (K, N) mean completion when a parameter is multiplied in all segments.
         complete: shape (K, N) share of the flights that passed every gate.
         by_segment: shape (S, K) loss of mean completion, over a quarter and four times the parameter in that segment alone.
+        cost: shape (K, N) mean cost, in the unit of the metric; less is better.
+        cost_by_segment: shape (S, K) rise of the mean cost, likewise.
     """
 
     factors: Floats
@@ -37,9 +40,13 @@ class Sensitivity:
     completion: Floats
     complete: Floats
     by_segment: Floats
+    cost: Floats
+    cost_by_segment: Floats
 
 
-def survey_sensitivity(scenario: Scenario, world: World, parameters: Parameters, seed: int, flights: int = FLIGHTS) -> Sensitivity:
+def survey_sensitivity(
+    scenario: Scenario, world: World, parameters: Parameters, seed: int, metric: Metric = Metric.TIME, flights: int = FLIGHTS
+) -> Sensitivity:
     """Fly parameters, shape (S, K), changing one of them at a time.
 
     Args:
@@ -47,31 +54,44 @@ def survey_sensitivity(scenario: Scenario, world: World, parameters: Parameters,
         world: where.
         parameters: shape (S, K).
         seed: of the run.
+        metric: what the cost measures.
         flights: at each point of the curves.
     """
     factors, (segments, size) = np.array(FACTORS), parameters.shape
     curves = np.repeat(np.repeat(parameters[None, None], len(factors), axis=1), size, axis=0)  # (K, N, S, K)
     for k in range(size):
         curves[k, :, :, k] *= factors[:, None]
-    alone = np.tile(parameters, (segments, size, 2, 1, 1))  # (S, K, 2, S, K)
+    single = np.tile(parameters, (segments, size, 2, 1, 1))  # (S, K, 2, S, K)
     for s, k in np.ndindex(segments, size):
-        alone[s, k, :, s, k] *= factors[[0, -1]]
+        single[s, k, :, s, k] *= factors[[0, -1]]
     few = min(max(BY_SEGMENT // (2 * segments * size), FEWEST), flights)
-    groups = (curves.reshape(-1, segments, size), flights), (alone.reshape(-1, segments, size), few)
-    shares, parts = _fly(scenario, world, groups, seed)
-    shares, parts = shares.reshape(size, len(factors), flights), parts.reshape(segments, size, 2 * few)
-    base = shares[0, FACTORS.index(1.0), :few].mean()
-    return Sensitivity(factors, flights, shares.mean(axis=2), (shares >= 1).mean(axis=2), base - parts.mean(axis=2))
+    groups = (curves.reshape(-1, segments, size), flights), (single.reshape(-1, segments, size), few)
+    (shares, costs), (parts, prices) = _fly(scenario, world, groups, seed, metric)
+    here = FACTORS.index(1.0)
+    curve, alone = (size, len(factors), flights), (segments, size, 2 * few)
+    shares, costs, parts, prices = shares.reshape(curve), costs.reshape(curve), parts.reshape(alone), prices.reshape(alone)
+    return Sensitivity(
+        factors,
+        flights,
+        completion=shares.mean(axis=2),
+        complete=(shares >= 1).mean(axis=2),
+        by_segment=shares[0, here, :few].mean() - parts.mean(axis=2),
+        cost=costs.mean(axis=2),
+        cost_by_segment=prices.mean(axis=2) - costs[0, here, :few].mean(),
+    )
 
 
-def _fly(scenario: Scenario, world: World, groups: Sequence[tuple[Parameters, int]], seed: int) -> list[Floats]:
-    """Completion at the points of each group, shape (points, flights); all fly in one batch, those of a group that are the same once.
+def _fly(
+    scenario: Scenario, world: World, groups: Sequence[tuple[Parameters, int]], seed: int, metric: Metric
+) -> list[tuple[Floats, Floats]]:
+    """Completion and cost at the points of each group, shape (points, flights) each; all fly in one batch, those that are the same once.
 
     Args:
         scenario: what is flown.
         world: where.
         groups: points, shape (points, S, K), and flights at each of them.
         seed: of the run.
+        metric: what the cost measures.
     """
     distinct, indices, each, seeds = [], [], [], []
     for points, flights in groups:
@@ -81,6 +101,9 @@ def _fly(scenario: Scenario, world: World, groups: Sequence[tuple[Parameters, in
         each.append(np.repeat(rows.reshape(-1, *points.shape[1:]), flights, axis=0))
         seeds.append(np.tile(flight_seeds(seed, Stream.DEMONSTRATION, 0, flights), len(rows)))
     flown = world.fly(scenario, np.concatenate(each), np.concatenate(seeds))
-    completion = flown.gates_passed / len(flown.gate_positions)
-    parts = np.split(completion, np.cumsum([len(one) for one in seeds])[:-1])
-    return [part.reshape(count, -1)[index] for part, count, index in zip(parts, distinct, indices, strict=True)]
+    ends = np.cumsum([len(one) for one in seeds])[:-1]
+    found = flown.gates_passed / len(flown.gate_positions), score(flown, scenario.race.judge, metric).cost
+    completion, cost = (
+        [part.reshape(n, -1)[at] for part, n, at in zip(np.split(one, ends), distinct, indices, strict=True)] for one in found
+    )
+    return list(zip(completion, cost, strict=True))

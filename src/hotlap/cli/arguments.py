@@ -19,6 +19,7 @@ from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
 from hotlap.cli.parser import Parser, one_of, path, whole, wrapped
 from hotlap.files.kinds import Kind
+from hotlap.files.suites import SUITES
 from hotlap.first_guess.names import DEFAULT
 from hotlap.report.formats import FORMATS as PICTURES
 from hotlap.reproduce.experiments import EXPERIMENTS
@@ -80,8 +81,14 @@ def _jobs(parser: Parser) -> None:
     parser.add_argument("--jobs", type=whole, default=0, metavar="N", automatic="one a processor", help="processes")
 
 
-def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
-    return
+def _listed(*suites: str) -> Callable[[Parser], None]:
+    """The argument of a list: what to leave of it."""
+
+    def add(parser: Parser) -> None:
+        kinds = "names or patterns, like 'circle*'" if not suites else f"names, patterns like 'circle-*', or sets: {', '.join(suites)}"
+        parser.add_argument("names", nargs="*", metavar="NAME", automatic="all", help=f"what to list: {kinds}")
+
+    return add
 
 
 def _check(parser: Parser) -> None:
@@ -127,14 +134,16 @@ def _report(parser: Parser) -> None:
 
 
 def _watch(parser: Parser) -> None:
-    _study(parser)
     add = parser.add_argument
+    add("study", type=path, metavar="DIR", help="folder of a study, as hotlap tune makes it, or one with studies in it or below it")
     add("--port", type=whole, default=0, metavar="N", automatic="any that is free", help="to listen on")
     add("--host", default="127.0.0.1", metavar="NAME", help="to listen on; 127.0.0.1 is this machine alone")
 
 
 def _compare(parser: Parser) -> None:
     add_call(parser, compare, out=Shown("DIR"), first_guess=FIRST_GUESS)
+    sets = one_of("set of races", tuple(SUITES))
+    parser.add_argument("--races", dest="suite", type=sets, metavar="SET", stands_for="races", help=f"a set of races: {', '.join(SUITES)}")
 
 
 def _landscape(parser: Parser) -> None:
@@ -184,7 +193,20 @@ def _completion(parser: Parser) -> None:
 
 
 COMMANDS: Mapping[str, Command] = {
-    "races": Command("list the built-in races", "List the built-in races and what to expect of them.", _races, ()),
+    "races": Command(
+        "list the built-in races",
+        "List the built-in races and what to expect of them.",
+        _listed(*SUITES),
+        ("hotlap races", "hotlap races 'circle-*' real"),
+    ),
+    "tracks": Command("list the built-in tracks", "List the built-in tracks.", _listed(), ("hotlap tracks", "hotlap tracks '*-gates'")),
+    "quadrotors": Command(
+        "list the built-in quadrotors", "List the built-in quadrotors.", _listed(), ("hotlap quadrotors", "hotlap quadrotors 'airsim*'")
+    ),
+    "tuners": Command(
+        "list the tuners", "List the algorithms that tune, with their presets.", _listed(), ("hotlap tuners", "hotlap tuners 'cma_es:*'")
+    ),
+    "worlds": Command("list the worlds", "List where flights can happen, and what each still needs.", _listed(), ("hotlap worlds",)),
     "check": Command(
         "say what a file means",
         "Say what a track, quadrotor or race means: thrust margins, latency, lag, limits that bind. A race is planned, and flown with\n"
@@ -235,6 +257,8 @@ COMMANDS: Mapping[str, Command] = {
         _compare,
         (
             "hotlap compare drop-20 flip-16 --out runs/compared",
+            "hotlap compare 'circle-*' --out runs/circles",
+            "hotlap compare --races airsim --seeds 3 --out runs/airsim",
             "hotlap compare my-race.toml --tuners gate_gp,cma_es:tied --seeds 20 --out runs/mine",
         ),
     ),
@@ -259,11 +283,12 @@ COMMANDS: Mapping[str, Command] = {
         ("hotlap report runs/mine", "hotlap report runs/mine --figures --format pdf", "hotlap report runs/mine --video lap.gif"),
     ),
     "watch": Command(
-        "show a study in the browser while it runs",
-        "Show the page of a study to browsers on this machine, and keep it up to date as flights come in, until Ctrl-C. Nothing is\n"
-        "written; --json prints the address at once.",
+        "show a study, or a folder of them, in the browser",
+        "Show the page of a study to browsers on this machine, and keep it up to date as flights come in, until Ctrl-C. Of a folder of\n"
+        "studies it shows a table of all, to be sorted and sifted, and the page of each. Nothing is written; --json prints the address\n"
+        "at once.",
         _watch,
-        ("hotlap watch runs/mine", "hotlap watch runs/mine --port 8080"),
+        ("hotlap watch runs/mine", "hotlap watch runs", "hotlap watch runs/mine --port 8080"),
     ),
     "export": Command(
         "write parameters for other programs",

@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from hotlap.cli.words import as_command
 from hotlap.core.errors import HotlapError, InputError, UnknownNameError
 from hotlap.core.printable import printable
 
@@ -22,7 +23,7 @@ def wants_json(arguments: Sequence[str]) -> bool:
 
 def complain(message: str, status: int) -> int:
     """One line on standard error; gives the exit status back."""
-    sys.stderr.write(f"hotlap: {printable(message)}\n")
+    sys.stderr.write(f"hotlap: {printable(as_command(message))}\n")
     return status
 
 
@@ -43,7 +44,7 @@ def describe(error: HotlapError | OSError, status: int) -> dict[str, Any]:
         "file": None if is_option else source or None,
         "option": source if is_option else None,
         "key": key or None,
-        "reason": reason,
+        "reason": as_command(reason),
         "status": status,
     }
     return {"error": {**told, **({"available": list(error.available)} if isinstance(error, UnknownNameError) else {})}}

@@ -51,6 +51,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, command: str, summary: str, examples: Sequence[str] = ()) -> None:
         shown = "\n".join([EXAMPLES, *(f"  {line}" for line in examples)]) if examples else None
         self.arguments: list[argparse.Action] = []
+        self._stands_for: dict[str, str] = {}
         super().__init__(
             command,
             description=summary,
@@ -62,12 +63,13 @@ class Parser(argparse.ArgumentParser):
         )
         self.add_argument("-h", "--help", action="store_true", help="show this help")
 
-    def add_argument(self, *names: str, automatic: str = "", **settings: Any) -> argparse.Action:
+    def add_argument(self, *names: str, automatic: str = "", stands_for: str = "", **settings: Any) -> argparse.Action:
         """The same as argparse's, with the default said in the help.
 
         Args:
             names: of the argument.
             automatic: what the default means, where the value itself says nothing.
+            stands_for: another argument, which need not be given where this one is.
             settings: as argparse takes them.
 
         Returns:
@@ -78,6 +80,8 @@ class Parser(argparse.ArgumentParser):
         action = super().add_argument(*names, **settings)
         action.help = f"{action.help} (default: {shown})" if shown else action.help
         self.arguments.append(action)
+        if stands_for:
+            self._stands_for[stands_for] = action.dest
         return action
 
     @property
@@ -125,7 +129,8 @@ class Parser(argparse.ArgumentParser):
         finally:
             for action in required:
                 action.required = True
-        missing = [action for action in required if getattr(parsed, action.dest) is None]
+        given = {name for name, other in self._stands_for.items() if getattr(parsed, other) is not None}
+        missing = [action for action in required if getattr(parsed, action.dest) is None and action.dest not in given]
         if missing:
             names = ", ".join(map(_written, missing))
             raise InputError(names, "", f"is missing; see {self.prog} --help")

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from hotlap.core.shown import Shown
+
 
 class Level(StrEnum):
     """How much a finding matters."""
@@ -15,8 +17,8 @@ class Level(StrEnum):
     WARNING = "warning"
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, repr=False)
+class Finding(Shown):
     """One line about a description.
 
     Attributes:

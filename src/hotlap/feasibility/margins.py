@@ -18,10 +18,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.shown import Shown
 from hotlap.feasibility.demands import HELD, needed_vectors, running_mean
 from hotlap.feasibility.finding import Finding, note_if
 from hotlap.race.battery import MOST_LOST
@@ -41,8 +43,8 @@ HOVERING = 1.15  # thrust-to-weight below which a plan makes no sense
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Margin:
+@dataclass(frozen=True, repr=False)
+class Margin(Shown):
     """What is there over what a reference needs, where that is least.
 
     Attributes:
@@ -69,6 +71,16 @@ class Margin:
     reserve: float = math.inf
     shrink: float = 1.0
     limit: float | None = None
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON, in the keys of `margin` of `hotlap tune --json`."""
+        names = ("thrust", "reserve", "available", "needed", "time", "place", "rates")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def change(self) -> str:
+        """What is different, in words."""
+        return self.condition.name
 
     @property
     def thrust(self) -> float:

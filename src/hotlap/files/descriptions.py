@@ -152,8 +152,13 @@ def save_parameters(path: str | Path, parameters: SavedParameters) -> None:
     Raises:
         InputError: when the file cannot be written.
     """
+    replace(path, write_parameters(parameters))
+
+
+def write_parameters(parameters: SavedParameters) -> str:
+    """The text of the file."""
     head = f"# Tuned by hotlap for {parameters.race}; flown by: hotlap fly RACE --parameters THIS_FILE\n"
-    replace(path, head + toml_writer.write(parameters.to_table()))
+    return head + toml_writer.write(parameters.to_table())
 
 
 def _everything() -> set[str]:

@@ -78,7 +78,7 @@ def figures_of(snapshot: Snapshot, world: World, flights: int = FLIGHTS) -> dict
     asked, best, scene = snapshot.configuration, snapshot.best, _fly(snapshot, world, flights)
     surveyed = {}
     if not is_slow(world):
-        found = survey_sensitivity(asked.scenario, world, best, asked.settings.seed)
+        found = survey_sensitivity(asked.scenario, world, best, asked.settings.seed, asked.metric)
         surveyed["sensitivity"] = sensitivity(found, _change(snapshot), f"{scene.race}: sensitivity to the parameters")
     searched = collect(snapshot.ledger, asked.settings.goal)
     return {

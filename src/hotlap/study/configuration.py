@@ -15,6 +15,7 @@ import numpy as np
 from hotlap import tuners
 from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
+from hotlap.core.shown import Shown
 from hotlap.files.error_messages import check
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
@@ -34,8 +35,8 @@ FORMER: Mapping[str, Any] = {"lag_lead": 0.0, "offset_free": False, "reference_d
 """Keys of the controller that studies of earlier versions do not have, with the values by which those were flown."""
 
 
-@dataclass(frozen=True)
-class Configuration:
+@dataclass(frozen=True, repr=False)
+class Configuration(Shown):
     """What is tuned in a study, and how.
 
     Attributes:
@@ -69,6 +70,11 @@ class Configuration:
         """Label of an axis of the cost: with its unit where it is the metric's, else the name of the function."""
         if self.cost:
             return f"cost, {self.cost.partition(' ')[0].rpartition('.')[2]}"
+        return self.metric_name
+
+    @property
+    def metric_name(self) -> str:
+        """Label of an axis of the metric, whatever counts as the cost: with its unit."""
         return "cost [s]" if self.metric is Metric.TIME else "cost [m]"
 
     @property

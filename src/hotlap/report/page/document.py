@@ -12,7 +12,8 @@ from hotlap.analysis.robustness import Robustness
 from hotlap.core.seeds import Stream
 from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.feasibility.race import mistaken
-from hotlap.files.descriptions import PARAMETERS_FILE, to_toml
+from hotlap.files.descriptions import PARAMETERS_FILE, to_toml, write_parameters
+from hotlap.files.parameters_file import SavedParameters
 from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
@@ -20,6 +21,7 @@ from hotlap.report.history import collect, succeeded
 from hotlap.report.page.packing import number, numbers, pack, thin
 from hotlap.report.page.replay import BEST, DEFAULT, FIRST, Replay
 from hotlap.report.page.standing import dump_structures
+from hotlap.report.response import respond
 from hotlap.report.scene import Repeats, Trace
 from hotlap.study.snapshot import Snapshot
 
@@ -57,7 +59,7 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
         "flights": _flights(snapshot),
         "parameters": _parameters(snapshot),
         "samples": _samples(snapshot),
-        "sensitivity": _sensitivity(replay),
+        "sensitivity": _sensitivity(replay, snapshot.configuration.metric_name),
         "robustness": [] if replay is None else [_robustness(change) for change in replay.robustness],
         "advice": [] if replay is None else list(what_to_try(failures_of(replay.robustness), snapshot.advice)),
         "configuration": _configuration(snapshot),
@@ -88,11 +90,20 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "completion": None if result is None else number(result.best.completion),
         "confirmed": result is not None and result.best.confirmed,
         "confirm": settings.confirm,
+        "kept": _kept(snapshot),
         "validation": None if result is None or result.validation is None else _validation(result.validation),
         "wall_time": None if result is None else number(result.wall_time),
         "remark": snapshot.remark,
         "plans": [plan.dump() for plan in snapshot.plans],
     }
+
+
+def _kept(snapshot: Snapshot) -> dict[str, Any]:
+    """How many flights the figures of the tuned parameters are means over, their mean cost, and how many more chose among candidates."""
+    result = snapshot.result
+    if result is None:
+        return {"flights": 0, "cost": None, "selection_flights": 0}
+    return {"flights": result.best.flights, "cost": number(result.best.cost), "selection_flights": result.selection_flights}
 
 
 def _validation(validation: Validation) -> dict[str, Any]:
@@ -157,13 +168,13 @@ def _samples(snapshot: Snapshot) -> dict[str, Any]:
     }
 
 
-def _sensitivity(replay: Replay | None) -> dict[str, Any] | None:
-    """How the completion changes when one parameter is multiplied by a factor."""
+def _sensitivity(replay: Replay | None, cost_name: str) -> dict[str, Any] | None:
+    """How completion and cost change when one parameter is multiplied by a factor."""
     if replay is None or replay.sensitivity is None:
         return None
     found = replay.sensitivity
-    arrays = {name: pack(getattr(found, name)) for name in ("completion", "complete", "by_segment")}
-    return {"factors": found.factors.tolist(), "flights": found.flights, **arrays}
+    arrays = {name: pack(getattr(found, name)) for name in ("completion", "complete", "by_segment", "cost", "cost_by_segment")}
+    return {"factors": found.factors.tolist(), "flights": found.flights, "cost_name": cost_name, **arrays}
 
 
 def _configuration(snapshot: Snapshot) -> dict[str, Any]:
@@ -178,10 +189,19 @@ def _configuration(snapshot: Snapshot) -> dict[str, Any]:
         "versions": dict(snapshot.openings[-1][1]) if snapshot.openings else {},
         "opened": [moment for moment, _ in snapshot.openings],
         "race_toml": to_toml(race),
+        "parameters_toml": _parameters_toml(snapshot),
         "settings": {**tuner, **settings},
         "world": asked.world,
         "files": {"study": str(snapshot.folder), "parameters": str(snapshot.folder / PARAMETERS_FILE)},
     }
+
+
+def _parameters_toml(snapshot: Snapshot) -> str:
+    """The tuned parameters as they lie beside the page; while the search runs those so far, without their provenance."""
+    file, scenario = snapshot.folder / PARAMETERS_FILE, snapshot.configuration.scenario
+    if snapshot.finished and file.is_file():
+        return file.read_text(encoding="utf-8")
+    return write_parameters(SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, snapshot.best))
 
 
 def dump_scenario(scenario: Scenario) -> dict[str, Any]:
@@ -254,7 +274,14 @@ def dump_trace(trace: Trace, efforts: tuple[Effort, Effort]) -> dict[str, Any]:
         "gate_distance": pack(trace.gate_distance),
         "seen_times": pack(trace.seen_times),
         "effort": {**own, "reference": reference},
+        "response": _response(trace),
     }
+
+
+def _response(trace: Trace) -> dict[str, Any] | None:
+    """Spectrum and step response of the rate commands; None where the flight is too short."""
+    found = respond(trace)
+    return None if found is None else {name: pack(values) for name, values in vars(found).items()}
 
 
 def _effort(effort: Effort) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Replay: parameters of a study flown once more, with noise that the search never met, for page, pictures and film.
 
-All sets of parameters meet the same noise, and nothing is chosen among these flights.
+All sets of parameters meet the same noise. Of each set the flight is shown whose rank among all of them is nearest the middle.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ from hotlap.study.configuration import Configuration
 from hotlap.tuning.scoring import score
 from hotlap.worlds.world import World, is_slow
 
-BEST, FIRST, DEFAULT = "best", "first guess", "default"
+BEST, FIRST, DEFAULT = "tuned", "first guess", "default"
 FLIGHTS = 50  # of each set of parameters
 WHILE_RUNNING = 12  # the same while the search runs, which needs the processors
 IN_SIMULATORS = 5  # the same where a flight takes seconds
+LOGGED = 12  # flights of each set that are recorded in full; the one that is shown is chosen among them
 SLOW = 0.05  # s of computing time for a flight, above which robustness and sensitivity are left out
 
 
@@ -61,7 +62,7 @@ def choose(scenario: Scenario, first: Parameters, best: Parameters) -> tuple[Par
 
 
 def demonstrate(scenario: Scenario, world: World, sets: Sequence[ParameterSet], seeds: NDArray[np.int64]) -> Scene:
-    """Fly each set of parameters with the same seeds of the noise; the first flight of each set is recorded in full.
+    """Fly each set of parameters with the same seeds of the noise; a typical flight of each set is shown in full.
 
     Args:
         scenario: that is flown.
@@ -73,18 +74,35 @@ def demonstrate(scenario: Scenario, world: World, sets: Sequence[ParameterSet], 
 
 
 def _fly(scenario: Scenario, world: World, sets: Sequence[ParameterSet], seeds: NDArray[np.int64]) -> Flights:
-    """All flights of a scene, set by set; the first of each is recorded in full."""
+    """All flights of a scene, set by set; the first `LOGGED` of each are recorded in full."""
     count = len(seeds)
     parameters = np.concatenate([np.repeat(one.parameters[None], count, axis=0) for one in sets])
-    return world.fly(scenario, parameters, np.tile(seeds, len(sets)), log=[i * count for i in range(len(sets))])
+    return world.fly(
+        scenario, parameters, np.tile(seeds, len(sets)), log=[i * count + k for i in range(len(sets)) for k in range(min(count, LOGGED))]
+    )
 
 
 def _stage(scenario: Scenario, flown: Flights, sets: Sequence[ParameterSet]) -> Scene:
     """The scene of these flights."""
     count = len(flown) // len(sets)
-    traces = tuple(trace(scenario, flown, i * count, one.label) for i, one in enumerate(sets))
-    repeats = tuple(repeat(scenario.race, flown, slice(i * count, (i + 1) * count), one.label) for i, one in enumerate(sets))
+    rows = [slice(i * count, (i + 1) * count) for i in range(len(sets))]
+    traces = tuple(trace(scenario, flown, typical(flown, own), one.label) for own, one in zip(rows, sets, strict=True))
+    repeats = tuple(repeat(scenario.race, flown, own, one.label) for own, one in zip(rows, sets, strict=True))
     return stage(scenario, traces, repeats)
+
+
+def typical(flown: Flights, rows: slice) -> int:
+    """Index of the recorded flight that is nearest the middle of some flights: ordered by gates passed, then by mean tracking error.
+
+    Args:
+        flown: a batch.
+        rows: which of its flights are compared; at least one of them is recorded in full.
+    """
+    error = np.nan_to_num(flown.mean_error[rows], nan=np.inf)
+    order = np.lexsort((-error, flown.gates_passed[rows])) + rows.start
+    middle = (len(order) - 1) / 2
+    recorded = [(abs(rank - middle), index) for rank, index in enumerate(order.tolist()) if index in flown.logs]
+    return min(recorded)[1]
 
 
 @dataclass(frozen=True)
@@ -127,7 +145,7 @@ def replay_finished(
     if world.takes_vehicle_parameters and (asked or (not slow if robustness is None else robustness)):
         as_tuned = score(flown, scenario.race.judge).rows(slice(0, FLIGHTS))  # the best come first
         checked = check_robustness(scenario, world, settings.goal, best, settings.seed, FLIGHTS, as_tuned, asked, explained=not slow)
-    sensitivity = None if slow else survey_sensitivity(scenario, world, best, settings.seed)
+    sensitivity = None if slow else survey_sensitivity(scenario, world, best, settings.seed, configuration.metric)
     scene = _stage(scenario, flown, sets)
     return Replay(scene, _efforts(scene, scenario), sensitivity, checked)
 

@@ -58,10 +58,10 @@ def _verdict(result: Result, snapshot: Snapshot) -> str:
     gates = f"{100 * result.best.completion:.0f} % of the gates"
     lap = f", a lap of {result.best.lap_time:.2f} s" if math.isfinite(result.best.lap_time) else ""
     if snapshot.configuration.settings.goal.quantity is Quantity.NONE:
-        return f"{count(result.flights, 'flight')}; the best passed {gates}{lap}."
+        return f"{count(result.flights, 'flight')}; the {BEST} parameters passed {gates}{lap}."
     if result.best.confirmed:
         return f"{result.goal} confirmed after {count(result.search_flights, 'search flight')}: {gates}{lap}."
-    return f"{result.goal} NOT confirmed in {count(result.flights, 'flight')}; the best so far passed {gates}{lap}."
+    return f"{result.goal} NOT confirmed in {count(result.flights, 'flight')}; the parameters that are kept passed {gates}{lap}."
 
 
 def _validated(validation: Validation | None) -> str:
