@@ -59,7 +59,7 @@ CASES = {
     "tnue circle-34": "there is no command named 'tnue' (did you mean tune?); available: bench, cache, check",
     "--json races": "--json: is no option of hotlap; options of a command follow its name",
     "--nonsense": "--nonsense: is no option of hotlap",
-    "races circle-34": "circle-34: is one argument too many; see hotlap races --help",
+    "bench circle-34": "circle-34: is one argument too many; see hotlap bench --help",
     "tune": "RACE: is missing; see hotlap tune --help",
     "new track": "NAME: is missing",
     "new": "KIND, NAME: is missing",

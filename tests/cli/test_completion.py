@@ -27,6 +27,9 @@ LINES = {
     "hotlap plan my-r": ({"my-race.toml"}, "circle-34"),
     "hotlap fly circle-34 --reference my-r": ({"my-race.toml"}, "circle-34"),
     "hotlap report run": ({"runs/"}, "my-race.toml"),
+    "hotlap tuners gate_gp:t": ({"gate_gp:tied"}, "gate_gp:whole"),
+    "hotlap quadrotors x5": ({"x500"}, "three-inch"),
+    "hotlap compare --races def": ({"default"}, "all"),
     "hotlap completion z": ({"zsh"}, "bash"),
 }
 ASK_BASH = "source ./script; COMP_LINE={line}; COMP_POINT=${{#COMP_LINE}}; _hotlap; printf '%s\\n' \"${{COMPREPLY[@]}}\""

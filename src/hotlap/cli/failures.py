@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from hotlap.cli.words import as_command
@@ -48,6 +51,15 @@ def describe(error: HotlapError | OSError, status: int) -> dict[str, Any]:
 
 
 def print_json(error: HotlapError | OSError, status: int) -> None:
-    """Print an error as JSON."""
-    sys.stdout.write(json.dumps(describe(error, status), indent=2) + "\n")
-    sys.stdout.flush()
+    """Print an error as JSON; where nobody reads it, or it cannot be written, the line on standard error is all."""
+    try:
+        sys.stdout.write(json.dumps(describe(error, status), indent=2) + "\n")
+        sys.stdout.flush()
+    except OSError:
+        drop_output()
+
+
+def drop_output() -> None:
+    """Let what is still to be flushed go nowhere, so that the interpreter does not fail over it again."""
+    with suppress(OSError), Path(os.devnull).open("w", encoding="utf-8") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import io
-import os
 import shlex
 import sys
 import warnings
@@ -14,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 
 from hotlap.cli.arguments import COMMANDS, module_of, overview
-from hotlap.cli.failures import complain, print_json, wants_json
+from hotlap.cli.failures import complain, drop_output, print_json, wants_json
 from hotlap.cli.log import LOG, logged
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
@@ -61,11 +60,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         notes = getattr(stop, "__notes__", [f"begin again with: {shlex.join(['hotlap', *arguments])}"])
         return complain(f"interrupted; {notes[0]}", stop.code if isinstance(stop, Stopped) else 130)
     except BrokenPipeError:
-        _drop_output()
+        drop_output()
         return PIPE_CLOSED
     except OSError as error:
         if error.filename is None:
-            _drop_output()
+            drop_output()
         elif wants_json(arguments):
             print_json(error, FAILURE)
         return complain(f"{error.filename or 'standard output'}: {error.strerror or error}", FAILURE)
@@ -118,9 +117,3 @@ def _show_each_once() -> Callable[..., None]:
             sys.stderr.write(f"hotlap: warning: {message}\n")
 
     return show
-
-
-def _drop_output() -> None:
-    """Let what is still to be flushed go nowhere, so that the interpreter does not fail over it again."""
-    with suppress(OSError), Path(os.devnull).open("w", encoding="utf-8") as nowhere:
-        os.dup2(nowhere.fileno(), sys.stdout.fileno())

@@ -14,6 +14,7 @@ from hotlap.cli.parser import OneOf, path
 from hotlap.core.world_names import BUILT_IN, SIMULATORS
 from hotlap.files.descriptions import names
 from hotlap.files.kinds import Kind
+from hotlap.files.suites import SUITES
 from hotlap.first_guess.names import NAMES as GUESSES
 
 LONGEST = 70  # characters of a help
@@ -98,7 +99,7 @@ def _words(command: str, action: argparse.Action) -> tuple[str, ...]:
         return tuple(map(str, action.type.names))
     if action.dest == "file" and command == "check":
         return tuple(name for kind in Kind for name in names(kind))
-    known = NAMED.get(action.dest)
+    known = LISTED.get(command) if action.dest == "names" else NAMED.get(action.dest)
     return known() if known else ()
 
 
@@ -110,6 +111,14 @@ def _shorten(text: str) -> str:
 
 def _races() -> tuple[str, ...]:
     return names(Kind.RACE)
+
+
+def _tracks() -> tuple[str, ...]:
+    return names(Kind.TRACK)
+
+
+def _quadrotors() -> tuple[str, ...]:
+    return names(Kind.QUADROTOR)
 
 
 def _tuners() -> tuple[str, ...]:
@@ -125,11 +134,18 @@ def _worlds() -> tuple[str, ...]:
 NAMED: Mapping[str, Callable[[], tuple[str, ...]]] = {  # by argument, what its values may be
     "race": _races,
     "races": _races,
-    "track": lambda: names(Kind.TRACK),
-    "vehicle": lambda: names(Kind.QUADROTOR),
+    "track": _tracks,
+    "vehicle": _quadrotors,
     "tuner": _tuners,
     "tuners": _tuners,
     "on": _worlds,
     "to": _worlds,
     "first_guess": lambda: tuple(GUESSES),
+}
+LISTED: Mapping[str, Callable[[], tuple[str, ...]]] = {  # by command that lists, what may be asked for
+    "races": lambda: (*_races(), *SUITES),
+    "tracks": _tracks,
+    "quadrotors": _quadrotors,
+    "tuners": _tuners,
+    "worlds": _worlds,
 }
