@@ -46,6 +46,12 @@ EXPERIMENTS: Mapping[str, str] = {
 """The module of this package that holds the function of each name."""
 
 
+SHORT = (
+    "**Quick form**: fewer flights, seeds and races than the paper has, to see that it runs. Its figures say little; without `--quick` the "
+    "whole experiment is flown."
+)
+
+
 def perform(name: str, jobs: ResumableJobs, *, quick: bool) -> Article:
     """Fly what is missing of an experiment, and write what was found.
 
@@ -58,4 +64,9 @@ def perform(name: str, jobs: ResumableJobs, *, quick: bool) -> Article:
         UnavailableError: something that it needs is not installed.
     """
     experiment: Experiment = getattr(import_module(f"hotlap.reproduce.{EXPERIMENTS[name]}"), name)
-    return experiment(jobs, quick=quick)
+    article = experiment(jobs, quick=quick)
+    if quick:
+        from hotlap.report.article import Paragraph  # noqa: PLC0415  the experiment has loaded it
+
+        article.parts.insert(0, Paragraph(SHORT))
+    return article
