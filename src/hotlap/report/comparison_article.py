@@ -127,6 +127,6 @@ main { max-width: 84rem; }
 table.heat td { text-align: right; background: color-mix(in srgb, var(--accent) calc(var(--heat, 0%) * 0.5), var(--paper)); }
 table.heat thead th { white-space: normal; vertical-align: bottom; text-align: right; }
 table.heat thead th:first-child { text-align: left; }
-table.heat td, table.heat thead th { padding-left: 0.9rem; }
+table.heat td, table.heat thead th:not(:first-child) { padding-left: 0.9rem; }
 figure[hidden] { display: none; }
 """.strip()

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from hotlap.analysis.comparison_table import Row
 from hotlap.report.markup import element, text
 
+SHORT = 10  # characters of a name that is not broken
+
 
 @dataclass(frozen=True)
 class Measure:
@@ -84,5 +86,6 @@ def _cell(measure: Measure, value: float, least: float) -> str:
 
 
 def _breakable(name: str) -> str:
-    """A name that may be broken before its preset and at its underscores."""
-    return text(name).replace("_", "_<wbr>").replace(":", "<wbr>:")
+    """A name that may be broken before its preset, and a long one at its underscores."""
+    parts = [text(part).replace("_", "_<wbr>") if len(part) > SHORT else text(part) for part in name.split(":")]
+    return "<wbr>:".join(parts)
