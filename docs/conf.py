@@ -18,10 +18,12 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
+    "extensions.accessible",
     "extensions.commands",
     "extensions.docstrings",
     "extensions.interface",
     "extensions.mathematics",
+    "extensions.notebooks",
     "extensions.pairs",
 ]
 exclude_patterns = ["extensions"]

@@ -28,6 +28,7 @@ import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from hotlap.core.platforms import unsupported
 from hotlap.core.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -101,6 +102,8 @@ _FORMER_HOME = {name: module for module, names in _FORMER_HOMES.items() for name
 def __getattr__(name: str) -> Any:
     """Import a public name where it is first used (PEP 562), so that importing hotlap loads nothing."""
     if name in _HOME:
+        if unsupported():
+            raise ImportError(unsupported())
         value = getattr(import_module(f"hotlap.{_HOME[name]}"), name)
         globals()[name] = value
         return value

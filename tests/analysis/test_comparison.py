@@ -15,7 +15,18 @@ from fake_world import FakeWorld, make_scenario
 from hotlap import tuners, worlds
 from hotlap.analysis import resumable
 from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of, fly_cells, missing
-from hotlap.analysis.comparison_table import ALL, cells_of, completion_band, held_cells_of, markdown, overall, profiles, rows_of, summarise
+from hotlap.analysis.comparison_table import (
+    ALL,
+    cells_of,
+    comparable_laps,
+    completion_band,
+    held_cells_of,
+    markdown,
+    overall,
+    profiles,
+    rows_of,
+    summarise,
+)
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.core.errors import StudyError
 from hotlap.planning import preparation
@@ -208,6 +219,21 @@ def test_a_row_counts_a_failure_as_infinitely_long():
     assert row.tuner_time == pytest.approx(1.5 / 412)
 
 
+def test_lap_times_are_compared_where_all_tuners_solved_the_race():
+    """The careful tuner alone solves the long race, by a slow lap: that must not make it the slower one."""
+    runs = [make_run(name, "short", seed, lap_time=5.0) for name in ("careful", "other") for seed in range(3)]
+    runs += [make_run("careful", "long", seed, lap_time=30.0) for seed in range(5)]
+    runs += [make_run("other", "long", seed, confirmed=False, lap_time=29.0) for seed in range(4)]
+    runs += [make_run("other", "long", 4, lap_time=28.0)]
+    rows = {(row.race, row.tuner): (row.lap_time_median, row.lap_times) for row in (*rows_of(runs), *overall(runs))}
+    assert comparable_laps(runs) == {("short", 0), ("short", 1), ("short", 2), ("long", 4)}
+    assert (rows["long", "careful"], rows["long", "other"]) == ((30.0, 1), (28.0, 1))
+    assert (rows[ALL, "careful"], rows[ALL, "other"]) == ((5.0, 4), (5.0, 4))
+    never = [*runs, *(make_run("never", "short", seed, confirmed=False) for seed in range(3))]
+    assert {row.lap_times for row in overall(never)} == {0}
+    assert [cells[-2] for cells in cells_of(overall(never))] == ["lap s (runs)", "-", "-", "-"]
+
+
 def test_rows_are_of_each_race_and_over_all_the_best_first():
     runs = [make_run("slow", race, seed, search_flights=50) for race in "rs" for seed in range(3)]
     runs += [make_run("fast", race, seed, search_flights=5) for race in "rs" for seed in range(3)]
@@ -241,6 +267,15 @@ def test_tables_have_a_cell_for_every_column():
     assert all(len(cells) == len(header) for cells in body)
     assert markdown(cells_of(rows)).splitlines()[1].count("---") == len(header)
     assert "50 [9, 91]" in markdown(cells_of(rows)), "one of two, with Wilson's interval"
+
+
+@pytest.mark.parametrize(
+    ("budgets", "head"), [((40, 40), []), ((60, 40), ["completion % at 50"]), ((200, 1000), ["completion % at 50 / 200 / 1000"])]
+)
+def test_completion_is_said_at_flights_that_some_tuner_was_given(budgets, head):
+    cells = cells_of(rows_of([make_run("a", budget=budgets[0]), make_run("b", budget=budgets[1])]))
+    assert [name for name in cells[0] if name.startswith("completion")] == head
+    assert {len(row) for row in cells} == {9 + len(head)}
 
 
 def test_what_runs_hold_under_has_a_table_with_a_column_for_each_condition():

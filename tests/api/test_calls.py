@@ -16,10 +16,14 @@ from cli.fake_hotlap import MODULES, Loud
 from hotlap.api import first_flights, tuned
 from hotlap.api.asked import command_line
 from hotlap.api.first_flights import Doom
+from hotlap.api.given import hold_text
 from hotlap.cli import main
 from hotlap.cli.output import finite
+from hotlap.cli.words import as_command
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.files.descriptions import load_parameters, load_race
+from hotlap.race.hold import parse_hold
+from hotlap.race.schema import Described
 from hotlap.study.study import Study
 
 SLOTS = ("tuned", "planned", "flown", "compared", "exported")
@@ -61,6 +65,16 @@ def test_a_result_has_the_document_that_the_command_prints(results, capsys):
         assert differing <= {"wall_time", "study", "parameters", "report"}, name
 
 
+def handed_out(one, depth=2):
+    """All that a result hands out, and what that hands out in turn."""
+    for name in () if isinstance(one, Described) else dir(one):
+        if name.startswith("_") or callable(value := getattr(one, name)):
+            continue
+        if isinstance(value, tuple | list) or type(value).__module__.startswith("hotlap."):
+            yield f"{type(one).__name__}.{name}", value
+            yield from handed_out(value, depth - 1) if depth else ()
+
+
 def test_a_result_is_one_or_two_lines_and_a_table_in_notebooks(results):
     for result in results.values():
         text = repr(result)
@@ -68,8 +82,48 @@ def test_a_result_is_one_or_two_lines_and_a_table_in_notebooks(results):
         assert len(text) < 400
         assert text.count("\n") <= 1
         assert result._repr_html_().startswith("<table>")
+        assert len(result._repr_html_()) < 400
     assert "completion=1 confirmed" in repr(results["tuned"])
     assert '<a href="mine/report.html">' in results["tuned"]._repr_html_()
+
+
+def test_all_that_a_result_hands_out_is_short_too(results):
+    for result in [*results.values(), hotlap.check("straight.toml"), hotlap.load_race("straight.toml"), hotlap.Study("mine")]:
+        long = {name: len(repr(value)) for name, value in handed_out(result) if len(repr(value)) >= 400}
+        assert not long
+        tables = {name: value._repr_html_() for name, value in handed_out(result) if hasattr(value, "_repr_html_")}
+        assert not {name for name, table in tables.items() if len(table) >= 400}
+
+
+def test_a_short_form_stays_short_in_a_deep_folder(here):
+    out = here / "/".join(["a-folder-with-a-long-name"] * 9)
+    tuned = hotlap.tune("straight.toml", seed=1, validation=20, out=out)
+    study = hotlap.Study(out)
+    for one in (tuned, study):
+        assert len(repr(one)) < 400
+        assert len(one._repr_html_()) < 400
+    study.close()
+    assert "closed" in repr(study)
+
+
+def test_lists_of_results_are_frames(results):
+    held = hotlap.fly("straight.toml", flights=5, seed=3)
+    frames = {
+        "runs": results["compared"].runs,
+        "tuners on races": results["compared"].by_race,
+        "tuners": results["compared"].overall,
+        "flights": held.flights,
+        "scores": held.scores,
+        "reference": results["planned"].reference,
+        "study": hotlap.Study("mine"),
+        "ledger": hotlap.Study("mine").flights(),
+    }
+    pytest.importorskip("pandas")
+    for name, value in frames.items():
+        frame = value.to_frame()
+        assert len(frame) == len(value.records()) > 0, name
+        assert not frame.columns.duplicated().any()
+    assert frames["study"].to_frame()["parameters"][0].shape == results["tuned"].values.shape
 
 
 def test_what_stands_in_a_table_is_no_markup(here):
@@ -97,6 +151,21 @@ def test_a_result_can_be_drawn(results, monkeypatch):
     monkeypatch.setitem(MODULES, "hotlap.report.comparison", None)
     monkeypatch.delitem(sys.modules, "hotlap.report.comparison")
     assert all(isinstance(results[name].plot(), Figure) for name in ("tuned", "planned", "compared"))
+    assert isinstance(hotlap.Study("mine").plot(), Figure)
+
+
+def test_a_tuning_can_be_exported_as_its_study_can(here):
+    assert here.is_dir()
+    tuned = hotlap.tune("straight.toml", seed=1, validation=20, out="mine")
+    exported = tuned.export("json", out="out.json")
+    assert [file.name for file in exported.files] == ["out.json"]
+    assert exported.rows() == hotlap.export("mine", "json", out="out.json").rows()
+
+
+@pytest.mark.parametrize("hold", ["mass=+-10%, wind=3", ["mass=+-10%", "wind=3"], {"mass": "+-10%", "wind": 3}])
+def test_conditions_are_a_text_a_list_or_a_dict(hold):
+    assert hold_text(hold) == "mass=+-10%, wind=3"
+    assert len(parse_hold(hold_text(hold))) == 3
 
 
 def test_paths_are_where_the_files_are(results):
@@ -136,6 +205,15 @@ def test_parameters_may_be_numbers(results):
     ("call", "given", "said"),
     [
         (hotlap.tune, {"budget": 0}, "budget: must be from 1 to"),
+        (hotlap.tune, {"budget": "many"}, "budget: must be a whole number, not 'many'"),
+        (hotlap.tune, {"budget": 20.5}, "budget: must be a whole number, not 20.5"),
+        (hotlap.tune, {"budget": True}, "budget: must be a whole number, not True"),
+        (hotlap.tune, {"goal": 1}, "goal: must be text, not 1"),
+        (hotlap.tune, {"reliability": None}, "reliability: must be a number, not None"),
+        (hotlap.tune, {"out": 3}, "out: must be text, a path or None, not 3"),
+        (hotlap.tune, {"hold": {"mas": "+5%"}}, "hold: 'mas=+5%': there is no quantity 'mas' (did you mean mass?)"),
+        (hotlap.fly, {"hold": 3}, "hold: must be text, a list or a dict, not 3"),
+        (hotlap.fly, {"parameters": hotlap}, "parameters: must be text, a path, an array or None, not a module"),
         (hotlap.tune, {"goal": "fast"}, "goal: 'fast' is no goal; write completion=1"),
         (hotlap.tune, {"goal": "lap_time", "samples": 3}, "samples: has no meaning for the goal lap_time, which looks for a plan"),
         (hotlap.tune, {"goal": "lap_time", "validation": 0}, "validation: must not be 0 for the goal lap_time"),
@@ -214,13 +292,15 @@ def test_what_is_interrupted_says_how_to_go_on(here):
     with pytest.raises(Stop) as stopped:
         hotlap.tune("straight.toml", seed=1, progress=Stopping())
     (note,) = stopped.value.__notes__
-    assert note.startswith("nothing is lost; go on with: hotlap tune straight.toml --seed 1 --out runs/straight-")
+    assert note.startswith("nothing is lost; go on with: hotlap.tune('straight.toml', seed=1, out='runs/straight-")
     with pytest.raises(Stop) as stopped:
         hotlap.tune(load_race("straight.toml"), out="mine", progress=Stopping())
     assert stopped.value.__notes__ == ["nothing is lost; go on with: the same call, out='mine'"]
     with pytest.raises(Stop) as stopped:
         hotlap.compare(["straight.toml"], out="c", progress=Stopping(), **COMPARED)
-    assert stopped.value.__notes__ == [f"nothing is lost; go on with: hotlap {' '.join(COMMANDS['compared'])}"]
+    (note,) = stopped.value.__notes__
+    assert note.startswith("nothing is lost; go on with: hotlap.compare(['straight.toml'], tuners='random_search', seeds=2, budget=")
+    assert as_command(note) == f"nothing is lost; go on with: hotlap {' '.join(COMMANDS['compared'])}"
 
 
 @pytest.mark.parametrize(

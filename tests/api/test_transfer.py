@@ -196,7 +196,7 @@ def test_what_else_is_refused(study, tmp_path):
     with pytest.raises(StudyError, match="holds no study"):
         hotlap.transfer(tmp_path, to=Counted())
     begin(tmp_path / "young", configure(SCENARIO))
-    with pytest.raises(StudyError, match=r"holds a study that has not ended; hotlap tune --out \S*young goes on with it"):
+    with pytest.raises(StudyError, match=r"holds a study that has not ended; hotlap\.tune\(RACE, out='\S*young'\) goes on with it"):
         hotlap.transfer(tmp_path / "young", to=Counted())
 
 

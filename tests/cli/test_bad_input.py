@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from fake_world import make_scenario
+from hotlap.core.printable import printable
 from hotlap.files.descriptions import save_parameters
 from hotlap.files.parameters_file import SavedParameters
 
@@ -38,13 +39,27 @@ FILES = {
     "gap.toml": PARAMETERS + SECOND.replace("start = 2.5", "start = 3.5"),
     "reference.csv": "t,p_x\n0,0\n",
     "a file\nof two lines.toml": "name = [",
+    "planing.toml": 'track = "circle"\nvehicle = "hummingbird"\n[planing]\nv_max = 10\n',
+    "milliseconds.toml": 'base = "hummingbird"\ndelay = 45\n',
+    "motors.toml": 'base = "hummingbird"\nmotor_time = [25, 35]\n',
+    "within.toml": 'track = "circle"\nvehicle = { base = "hummingbird", delay = 45 }\n',
+    "percent.toml": 'track = "circle"\nvehicle = "hummingbird"\nplanning = { thrust_share = 70 }\n',
+    "degrees.toml": "start = [0, 0, 1]\ngates = [{ position = [5, 0, 1], yaw = 90 }]\n",
+    "degrees-a-second.toml": 'base = "hummingbird"\nrate_limit = [600, 600, 200]\n',
+    "controller.toml": 'track = "circle"\nvehicle = "hummingbird"\ncontroller = { rates = [600, 600, 200] }\n',
+    "outside.toml": 'track = "circle"\nvehicle = "hummingbird"\nv_max = 10\n',
+    "arm.toml": 'track = "circle"\nvehicle = "hummingbird"\narm = 0.2\n',
+    "far.toml": 'track = "gatse.toml"\nvehicle = "hummingbird"\n',
+    "gates.toml": "start = [0, 0, 1]\ngates = [[5, 0, 1]]\n",
+    "gates.yaml": "gates:\n  - 1\n",
+    "learnt.json": '{"races": []}',
 }
 
 CASES = {
-    "tnue circle-34": "there is no command named 'tnue' (did you mean tune?); available: bench, check",
+    "tnue circle-34": "there is no command named 'tnue' (did you mean tune?); available: bench, cache, check",
     "--json races": "--json: is no option of hotlap; options of a command follow its name",
     "--nonsense": "--nonsense: is no option of hotlap",
-    "races circle-34": "circle-34: is one argument too many; see hotlap races --help",
+    "bench circle-34": "circle-34: is one argument too many; see hotlap bench --help",
     "tune": "RACE: is missing; see hotlap tune --help",
     "new track": "NAME: is missing",
     "new": "KIND, NAME: is missing",
@@ -123,6 +138,33 @@ CASES = {
     "new track nowhere/mine": "nowhere/mine.toml: cannot be written",
     "new track .toml": "NAME: must be a name",
     "new track ": "NAME: must be a name",
+    "check planing.toml": "planing.toml: planing: there is no such key (did you mean planning?)",
+    "check milliseconds.toml": "milliseconds.toml: delay: must be at most 0.25, not 45 (in seconds: 0.045?)",
+    "check motors.toml": "motors.toml: motor_time: 35 s is no motor; motor_time is in seconds (did you mean [0.025, 0.035]?)",
+    "check within.toml": "within.toml: vehicle.delay: must be at most 0.25, not 45 (in seconds: 0.045?)",
+    "check percent.toml": "percent.toml: planning.thrust_share: must be at most 1, not 70 (as a fraction: 0.7?)",
+    "check degrees.toml": "degrees.toml: gates[0].yaw: 90 rad is more than a full turn; angles are in radians (did you mean 1.571?)",
+    "check degrees-a-second.toml": "degrees-a-second.toml: rate_limit: 600 rad/s is no body rate of a drone (in radians a second: [10",
+    "tune controller.toml": "controller.toml: controller.rates: 600 rad/s is no body rate of a drone (in radians a second: [10.47, 10.47,",
+    "check outside.toml": "outside.toml: v_max: there is no such key (it belongs into planning); available: ",
+    "check arm.toml": "arm.toml: arm: there is no such key (it belongs into vehicle or model); available: ",
+    "check far.toml": "far.toml: track: there is no file gatse.toml (did you mean gates.toml?)",
+    "tune typos.toml": "typos.toml: there is no such file (did you mean typo.toml?)",
+    "tune circle-34.toml": "circle-34.toml: there is no such file (circle-34 is built in: leave the ending away)",
+    "tune circle-34 --randomise 30": "--randomise: must be a fraction from 0 to 1, not '30' (did you mean 0.3?)",
+    "tune circle-34 --randomise 30%": "--randomise: must be a fraction from 0 to 1, not '30%' (did you mean 0.3?)",
+    "tune reference.csv": "reference.csv: is a table of numbers, no TOML: a reference is given beside its race, with --reference",
+    "check reference.csv": "reference.csv: is a table of numbers, no TOML: a reference is given beside its race, with --reference",
+    "tune missing.csv": "missing.csv: there is no such file",
+    "tune gates.yaml": "gates.yaml: is a file of another program: hotlap import reads it",
+    "tune learnt.json": "learnt.json: is JSON, no TOML: what was learnt is given beside a race, with --first-guess",
+    "tune one-segment.toml": "one-segment.toml: holds tuned parameters: give the race that they are for, and this file with --parameters",
+    "check one-segment.toml": "one-segment.toml: holds tuned parameters: give the race that they are for",
+    "tune cache": "cache: is a folder, not a file",
+    "tune study": "study: is the folder of a study, not a file: give the race, and this folder with --parameters",
+    "fly straight.toml --parameters typo.toml": "typo.toml: describes a race, and holds no parameters",
+    "fly straight.toml --parameters reference.csv": "reference.csv: is a table of numbers, no TOML",
+    "fly straight.toml --reference typo.toml": "typo.toml: is TOML, and no reference",
 }
 
 
@@ -136,6 +178,8 @@ def mistakes(here):
     for name, content in FILES.items():
         (here / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     (here / "cache").mkdir()
+    (here / "study").mkdir()
+    (here / "study" / "parameters.toml").write_text(PARAMETERS)
 
 
 @pytest.mark.usefixtures("faked", "mistakes")
@@ -146,11 +190,28 @@ def test_bad_input_is_one_clear_line(hotlap, line, as_json):
         pytest.skip("no command")
     words = line.split(" ", 1) if "\n" in line else line.split(" ")  # the name of a file may have blanks in it
     ran = hotlap(*words, *(["--json"] if as_json else []))
-    assert (ran.code, ran.out) == (2, ""), ran
+    assert ran.code == 2, ran
+    if "--json" not in words and not as_json:
+        assert ran.out == ""
+    else:
+        told = ran.document["error"]
+        parts = (told["file"] or told["option"] or "", told["key"] or "", told["reason"])
+        assert printable(": ".join(part for part in parts if part)) == ran.err.splitlines()[-1].removeprefix("hotlap: ")
+        assert told["status"] == 2
     last = ran.err.splitlines()[-1]
     assert last.startswith(f"hotlap: {CASES[line]}"), ran.err
     assert all(said.endswith(" ...") for said in ran.err.splitlines()[:-1]), ran.err  # what it was at
     assert "Traceback" not in ran.err
+
+
+@pytest.mark.usefixtures("mistakes")
+def test_an_error_as_json_names_file_key_and_reason(hotlap):
+    ran = hotlap("check", "milliseconds.toml", "--json")
+    reason = "must be at most 0.25, not 45 (in seconds: 0.045?)"
+    assert ran.document == {"error": {"file": "milliseconds.toml", "option": None, "key": "delay", "reason": reason, "status": 2}}
+    told = hotlap("tune", "circle-34", "--segments", "papre", "--json").document["error"]
+    assert (told["file"], told["option"]) == (None, "--segments")
+    assert hotlap("check", "hummingbrid", "--json").document["error"]["available"]
 
 
 @pytest.mark.parametrize("line", ["tnue circle-34", "tune circle-34 --budget many", "check missing.toml", "new boat mine"])

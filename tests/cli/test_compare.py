@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,8 @@ from pathlib import Path
 import pytest
 
 from cli import fake_hotlap
+from hotlap.api import compared
+from hotlap.files.descriptions import Kind, load_race, names
 
 BOTH = "random_search,metropolis_hastings"
 ASKED = f"compare straight.toml --tuners {BOTH} --seeds 3 --budget 40 --jobs 1 --out c".split()
@@ -26,10 +29,10 @@ def _faked(faked):
 def test_it_prints_a_row_for_each_tuner_and_writes_the_table(hotlap, here):
     ran = hotlap(*ASKED)
     assert ran.code == 0
-    assert ran.out.count("random_search:paper") == 2
+    assert ran.out.count("random_search:paper") == 3
     assert "confirmed %" in ran.out
     assert "6 of 6 runs" in ran.err
-    assert (here / "c" / "table.md").read_text(encoding="utf-8").count("| metropolis_hastings:tied |") == 2
+    assert (here / "c" / "table.md").read_text(encoding="utf-8").count("| metropolis_hastings:tied |") == 3
     assert len((here / "c" / "runs.jsonl").read_text(encoding="utf-8").splitlines()) == 6
 
 
@@ -37,8 +40,8 @@ def test_it_writes_a_page_that_needs_nothing_else(hotlap, here):
     ran = hotlap(*ASKED)
     assert "c/comparison.html\n" in ran.out
     page = (here / "c" / "comparison.html").read_text(encoding="utf-8")
-    assert page.count("<td>random_search:paper</td>") + page.count(">random_search:paper</th>") == 2
-    assert page.count('src="data:image/svg+xml;base64,') == 1
+    assert page.count("<td>random_search:paper</td>") + page.count(">random_search:paper</th>") == 3
+    assert not re.search(r"(src|href)=\"(?!runs\.jsonl)", page)
     assert f"<code>hotlap {' '.join(ASKED)}</code>" in page
     assert hotlap(*ASKED, "--json").document["page"] == "c/comparison.html"
 
@@ -51,6 +54,15 @@ def test_the_document_has_what_is_promised(hotlap):
     assert set(promised.split()) <= set(row)
     assert 0 <= row["success_rate"] <= 1
     assert row["runs"] == 3
+    (pair,) = document["paired"]
+    assert (pair["tuner"], pair["pairs"]) == (document["overall"][0]["tuner"], 3)
+    assert set(pair["validated"]) == {"pairs", "value", "low", "high", "p"}
+
+
+def test_one_tuner_alone_is_compared_with_nobody(hotlap):
+    ran = hotlap(*ASKED, "--tuners", "random_search", "--json")
+    assert ran.document["paired"] == []
+    assert "against" not in hotlap(*ASKED, "--tuners", "random_search").out
 
 
 def test_the_same_command_flies_nothing_and_more_seeds_fly_what_is_missing(hotlap):
@@ -126,6 +138,7 @@ def test_a_name_of_before_that_is_given_twice_is_said_once(hotlap):
         (["--seeds", "0"], "--seeds: must be from 1 to 100000, not 0"),
         (["--jobs", "-1"], "--jobs: must not be negative"),
         (["--out", "straight.toml"], "straight.toml: is a file, not the folder of a comparison"),
+        (["--races", "lunar"], "--races: there is no set of races named 'lunar'"),
         (["--on", "mars"], "there is no world named 'mars'"),
     ],
 )
@@ -144,6 +157,39 @@ def test_races_that_a_table_could_not_tell_apart_are_refused(hotlap, here):
     assert ran.err.splitlines()[-1].startswith("hotlap: straight.toml: name: 'straight' is the name of another race too")
     twice = hotlap("compare", "straight.toml", "straight.toml", *ASKED[2:], "--json")
     assert twice.document["races"] == ["straight"]
+
+
+QUICKLY = ["--tuners", "random_search", "--seeds", "1", "--budget", "2", "--validation", "1", "--jobs", "1", "--json", "--out", "c"]
+
+
+@pytest.fixture
+def everywhere(monkeypatch, here):
+    """Every race is the one that the fake world can fly, under its own name."""
+    race = load_race(here / "straight.toml")
+    monkeypatch.setattr(compared, "load", lambda name, _: race.model_copy(update={"name": str(name).removesuffix(".toml")}))
+
+
+@pytest.mark.usefixtures("everywhere")
+def test_patterns_and_sets_stand_for_races(hotlap):
+    assert hotlap("compare", "circle-*", "drop-20", *QUICKLY).document["races"] == ["circle-20", "circle-34", "drop-20"]
+    airsim = hotlap("compare", "circle-34", "--races", "airsim", *QUICKLY).document["races"]
+    assert airsim[0] == "circle-34"
+    assert len(airsim) == 1 + sum(name.startswith("airsim-") for name in names(Kind.RACE))
+    assert hotlap("compare", "--races", "airsim", *QUICKLY).document["races"] == airsim[1:]
+    assert hotlap("compare", "airsim", *QUICKLY).document["races"] == airsim[1:]
+
+
+def test_a_pattern_that_matches_no_race_is_one_line(hotlap):
+    ran = hotlap("compare", "circle-34", "circel-*", *QUICKLY)
+    assert (ran.code, ran.out) == (2, "")
+    assert ran.err == "hotlap: circel-*: matches no built-in race; hotlap races lists them\n"
+
+
+@pytest.mark.usefixtures("everywhere")
+def test_the_command_on_the_page_does_the_same_again(hotlap, here):
+    hotlap("compare", "straight.toml", "circle-*", "--races", "airsim", *QUICKLY)
+    page = (here / "c" / "comparison.html").read_text(encoding="utf-8")
+    assert "<code>hotlap compare straight.toml 'circle-*' airsim --tuners" in page
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])

@@ -143,6 +143,7 @@ def test_a_faster_race_is_written_with_parameters_that_fly_it(tmp_path, monkeypa
     found = hotlap.tune("circle-20", goal="lap_time", budget=60, validation=40, out=out)
     assert isinstance(found, FastestResult)
     assert finite(found.to_dict()) == document
+    assert found.plot().get_axes()
     assert repr(found).startswith(f"<FastestResult circle-20: {found.lap_time:.2f} s, where the race's own plan takes")
     assert [row["lap_time"] for row in found.rows()] == [found.lap_time]
     assert found.found

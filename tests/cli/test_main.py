@@ -68,6 +68,16 @@ def test_a_reader_that_goes_away_is_no_error():
     process.stderr.close()
 
 
+def test_a_reader_that_goes_away_from_an_error_as_json_is_no_error():
+    process = subprocess.Popen([*PROGRAM, "tnue", "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    assert process.stderr.read().count("\n") == 1
+    assert process.wait() == 2
+    process.stderr.close()
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 def test_a_full_disk_behind_standard_output_is_one_line():
     with Path("/dev/full").open("w") as full:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
 from hotlap.files.descriptions import Kind, load, names
+from printed_figures import check_figures
 
 
 def test_every_built_in_race_is_listed(hotlap):
@@ -38,7 +39,12 @@ def test_check_says_what_anything_means(hotlap, name, kind):
     assert ran.out.startswith(f"{kind} {name}\n")
     document = hotlap("check", file, "--json").document
     assert (document["kind"], document["name"]) == (kind, name)
-    assert all(set(finding) == {"label", "value", "remark", "level"} for finding in document["findings"])
+    assert all(set(finding) == {"label", "value", "remark", "level", "figures"} for finding in document["findings"])
+    numbers = [value for finding in document["findings"] for value in finding["figures"].values()]
+    assert len(numbers) >= 5
+    assert all(value is None or isinstance(value, int | float) for value in numbers)
+    for finding in document["findings"]:
+        check_figures(SimpleNamespace(**finding))
     assert all(finding["label"] in ran.out for finding in document["findings"])
 
 

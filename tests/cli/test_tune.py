@@ -209,7 +209,8 @@ def test_a_race_that_cannot_be_planned_is_exit_1(hotlap, monkeypatch):
 
     monkeypatch.setattr("hotlap.planning.preparation.plan", fail)
     ran = hotlap(*EASY, "--json")
-    assert (ran.code, ran.out) == (1, "")
+    assert ran.code == 1
+    assert ran.document["error"]["reason"] == "no plan for straight, gate 3: the gate lies below the floor"
     assert ran.err.endswith("hotlap: no plan for straight, gate 3: the gate lies below the floor\n")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -78,6 +79,37 @@ def test_a_page_may_only_run_its_own_script_and_ask_its_own_server(finished, env
             assert "unsafe-inline" not in policy.partition("style-src")[0]
             assert (headers["Cache-Control"], headers["X-Content-Type-Options"]) == ("no-store", "nosniff")
             assert headers["Server"] == "hotlap "
+
+
+def test_a_folder_of_studies_is_one_page_and_each_has_its_own_below(finished, hotlap, here, environment):
+    assert hotlap("tune", "straight.toml", "--validation", "50", "--out", "runs/one").code == 0
+    shutil.copytree(here / finished, here / "runs" / "two")
+    with watching(environment, "runs") as (process, address):
+        answer, page = ask(address, "/")
+        assert (answer.status, re.findall(r'href="([^"]*)"', page)) == (200, ["study/one/", "study/two/"])
+        assert "connect-src 'self'" in answer.headers["Content-Security-Policy"]
+        version = int(re.findall(r'data-version="(\d+)"', page)[0])
+        assert ask(address, f"/data.json?flights={version}")[0].status == 204
+        assert {row["name"] for row in json.loads(ask(address, "/data.json")[1])["rows"]} == {"one", "two"}
+        for name in ("one", "two"):
+            answer, page = ask(address, f"/study/{name}/")
+            assert (answer.status, "<title>straight: gate_gp:default - hotlap</title>" in page) == (200, True)
+            assert ask(address, f"/study/{name}/data.json")[0].status == 200
+        assert ask(address, "/study/three/")[0].status == 404
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=30)
+        assert process.returncode == 0
+        assert f"runs are shown at http://127.0.0.1:{address.port}/ until Ctrl-C" in err.splitlines()
+
+
+def test_a_folder_of_studies_is_read_only(finished, here, environment):
+    (here / "runs").mkdir()
+    shutil.move(here / finished, here / "runs" / "one")
+    before = {path: path.read_bytes() for path in (here / "runs" / "one").iterdir()}
+    with watching(environment, "runs") as (_, address):
+        for path in ("/", "/data.json", "/study/one/"):
+            ask(address, path)
+    assert {path: path.read_bytes() for path in (here / "runs" / "one").iterdir()} == before
 
 
 def test_there_is_nothing_else(finished, environment):
@@ -165,6 +197,7 @@ def test_nothing_is_written(finished, here, environment):
     ("words", "said"),
     [
         ("missing", "missing: holds no study (study.sqlite)"),
+        ("cache", "cache: holds no study (study.sqlite)"),
         ("mine --port 65536", "--port: must be from 0 to 65535, not 65536"),
         ("mine --port -1", "--port: must be from 0 to 65535, not -1"),
         ("mine --port x", "--port: must be a whole number, not 'x'"),

@@ -13,7 +13,13 @@ from hotlap.cli import main
 ROW = re.compile(r"^\| `(\w+)` \| (.*) \|$", re.MULTILINE)
 COMMANDS = {
     "races": [],
+    "tracks": [],
+    "quadrotors": [],
+    "tuners": [],
+    "worlds": [],
     "check": ["circle-34"],
+    "cache": [],
+    "completion": ["bash"],
     "new": ["track", "mine"],
     "import": [str(ROOT / "tests" / "importers" / "samples" / "mrs.yaml")],
     "plan": ["circle-34"],
@@ -22,7 +28,19 @@ COMMANDS = {
     "export": ["study", "--format", "csv"],
     "report": ["study"],
     "landscape": ["circle-34", "--points", "2"],
-    "compare": ["circle-20", "--tuners", "random_search", "--seeds", "1", "--budget", "10", "--validation", "2", "--out", "comparison"],
+    "compare": [
+        "circle-20",
+        "--tuners",
+        "random_search,cma_es",
+        "--seeds",
+        "1",
+        "--budget",
+        "10",
+        "--validation",
+        "2",
+        "--out",
+        "comparison",
+    ],
 }
 
 
@@ -56,3 +74,13 @@ def test_keys_that_can_be_relied_on_are_there(command, tmp_path, monkeypatch, ca
         capsys.readouterr()
     main([command, *COMMANDS[command], "--json"])
     assert documented()[command] <= keys_of(json.loads(capsys.readouterr().out))
+
+
+def test_every_figure_of_check_is_documented(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    figures = set()
+    for name in ("circle", "three-inch", "x500", "circle-34"):
+        main(["check", name, "--json"])
+        figures |= {figure for finding in json.loads(capsys.readouterr().out)["findings"] for figure in finding["figures"]}
+    said = set(re.findall(r"`(\w+)`", (DOCS / "commands.md").read_text(encoding="utf-8").split("| of | `figures` |")[1]))
+    assert figures - said == set()

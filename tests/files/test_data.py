@@ -198,3 +198,37 @@ def test_the_authors_end_lies_five_metres_behind_the_last_gate():
 def test_what_was_inferred_says_so():
     assert "reconstructed" in load_track("final").name
     assert "beyond the vehicle" in load_race("airsim-final-22").provenance
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "thrust_to_weight", "source"),
+    [
+        ("cf21b-500", (0.03, 0.05), (1.5, 2.5), "drone-models"),
+        ("three-inch", (0.15, 0.35), (4, 8), "2504.21586"),
+        ("five-inch", (0.5, 0.8), (5, 9), "made up"),
+        ("five-inch-delft", (0.5, 0.8), (9, 13), "2504.21586"),
+        ("x500", (1.9, 2.1), (3, 5), "mrs_multirotor_simulator"),
+    ],
+)
+def test_drones_of_every_size_are_built_in_and_say_where_they_are_from(name, mass, thrust_to_weight, source):
+    quadrotor = load_quadrotor(name)
+    assert mass[0] <= quadrotor.mass <= mass[1]
+    assert thrust_to_weight[0] <= quadrotor.thrust_to_weight <= thrust_to_weight[1]
+    assert source in quadrotor.provenance
+
+
+IDENTIFIED = {  # per rotor at full speed: thrust [m/s^2], roll, pitch and yaw acceleration [rad/s^2]; w_max [rad/s], k_x and k_y, mean
+    "three-inch": (14.3, 585.5, 232.75, 47.1, 4887.57, 3.545e-5),
+    "five-inch-delft": (27.1, 711.0, 599.5, 35.2, 3295.50, 6.065e-5),
+}
+
+
+@pytest.mark.parametrize("name", IDENTIFIED)
+def test_what_was_identified_is_what_the_estimates_of_mass_and_size_leave(name):
+    quadrotor, (thrust, roll, pitch, yaw, fastest, drag) = load_quadrotor(name), IDENTIFIED[name]
+    force = quadrotor.rotor_thrust[1]
+    angular = np.abs(quadrotor.torque_matrix[:, 0]) * force / quadrotor.inertia_vector
+    assert force / quadrotor.mass == pytest.approx(thrust, rel=0.01)
+    assert angular == pytest.approx([roll, pitch, yaw], rel=0.01)
+    assert quadrotor.rotor_drag * math.sqrt(force) / quadrotor.mass == pytest.approx(drag * fastest, rel=0.01)
+    assert max(quadrotor.inertia) <= 0.91 * (quadrotor.inertia[0] + quadrotor.inertia[1])

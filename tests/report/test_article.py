@@ -107,5 +107,5 @@ def test_a_comparison_names_every_tuner_and_race_with_intervals():
     spent = {"budget": 200, "flights": 20, "search_flights": 20, "confirmed": True, "successes": 40, "validation": 50}
     worth = {"completion": 1.0, "cost": 5.0, "lap_time": math.nan, "tuner_time": 0.1, "curve": ((1, 0.2), (20, 1.0))}
     runs = [Run(race=race, tuner=tuner, seed=0, **spent, **worth) for race in ("one", "two") for tuner in ("a:x", "b:y")]
-    page = Words(compose_article(runs, [], "runs.jsonl", "hotlap compare one two").html)
+    page = Words(compose_article(runs, "runs.jsonl", "hotlap compare one two").html)
     assert all(words in page.words for words in ("one", "two", "a:x", "b:y", "100 [21, 100]", "hotlap compare one two"))

@@ -8,13 +8,20 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
+from comparisons import make_comparison
 from hall import make_hall
+from hotlap.report.comparison_article import compose_article
 from hotlap.report.page.replay import replay_finished
 from hotlap.report.page.writing import render
+from hotlap.report.server import Server
+from hotlap.report.studies_page import StudiesPage
+from hotlap.study.study import Study
+from hotlap.tuning.objective import Objective
 from plausible_world import PlausibleWorld
 from studies import begin, carry, configure
 
@@ -98,6 +105,45 @@ def test_the_page_follows_a_study_that_runs(tmp_path):
             browser.kill()
             server.terminate()
     assert browser.returncode == 0, complaints
+
+
+def test_the_page_of_a_comparison_can_be_read_sorted_and_sifted_at_any_size_and_in_the_dark(tmp_path):
+    page = tmp_path / "comparison.html"
+    page.write_text(compose_article(make_comparison(), "runs.jsonl", f"hotlap compare {'a-long-name-' * 12}").html, encoding="utf-8")
+    drive("browser/comparison.mjs", str(page), str(tmp_path / "pictures"))
+    assert len(list((tmp_path / "pictures").iterdir())) == 4
+
+
+def test_the_page_of_a_folder_of_studies_is_sifted_sorted_and_follows_them(tmp_path):
+    studies, asked = tmp_path / "studies", configure(goal="none", budget=20, validation=0)
+    carry(studies / "done-0", configure(budget=20))
+    for k in range(1, 60):
+        shutil.copytree(studies / "done-0", studies / f"done-{k}")
+    begin(studies / "below" / "new", asked)
+    page = StudiesPage(studies, lambda _: Told())
+    with Server(page, "127.0.0.1", 0, page.study) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        browser = start("node", "browser/studies.mjs", server.address, str(tmp_path / "pictures"))
+        try:
+            assert browser.stdout is not None
+            assert browser.stdout.readline().strip() == "ready"
+            with Study.open(studies / "below" / "new", asked) as study:
+                study.run(Objective(asked.scenario, PlausibleWorld(), asked.metric))
+            _, complaints = browser.communicate(timeout=240)
+        finally:
+            browser.kill()
+            server.shutdown()
+    assert browser.returncode == 0, complaints
+
+
+class Told:
+    """The page of a study that is not what is tested."""
+
+    def page(self) -> str:
+        return '<!doctype html><html lang="en"><head><title>study</title></head><body>study</body></html>'
+
+    def news(self, known: int = -1) -> str | None:  # noqa: ARG002
+        return None
 
 
 def start(*words: str) -> subprocess.Popen[str]:

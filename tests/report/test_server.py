@@ -22,8 +22,8 @@ class Big:
 
 
 @contextmanager
-def serving(host="127.0.0.1"):
-    with Server(Big(), host, 0) as server:
+def serving(host="127.0.0.1", below=lambda _: None):
+    with Server(Big(), host, 0, below) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         try:
@@ -58,6 +58,23 @@ def test_a_path_that_is_no_address_is_not_there(path, capfd):
     with serving() as server:
         assert get(server, path) == 404
     assert capfd.readouterr().err == ""
+
+
+def test_pages_of_studies_lie_below_by_their_names_and_no_other_name_leads_anywhere():
+    asked = []
+
+    def below(name):
+        asked.append(name)
+        return Big() if name == "a/b c" else None
+
+    with serving(below=below) as server:
+        assert get(server, "/study/a/b%20c/data.json?flights=7") == 204
+        assert get(server, "/study/a/b%20c/data.json?flights=x") == 400
+        for path in ("/study/", "/study//", "/study/a/", "/study/a/b%20c", "/study/a/b%20c/x", "/study/../data.json", "/study/%2e%2e/"):
+            assert get(server, path) == 404, path
+    assert set(asked) <= {"a/b c", "a", "a/b c/x", "..", "/"}
+    with serving() as server:
+        assert get(server, "/study/a/b%20c/data.json?flights=7") == 404
 
 
 def test_a_browser_leaves_out_the_port_of_the_web():

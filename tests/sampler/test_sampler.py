@@ -15,9 +15,10 @@ from optuna.study import Study
 from optuna.trial import TrialState
 
 from hotlap import tuners
-from hotlap.core.errors import UnknownNameError
+from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.optuna import HotlapSampler
 from hotlap.optuna.run import Note, Origin
+from hotlap.optuna.sampler import BLOCK, anywhere
 from sampler.recording import Recorder
 
 DEFAULTS = tuple(dict.fromkeys(name.partition(":")[0] for name in tuners.names()))
@@ -169,9 +170,9 @@ def test_threads_share_a_study(tuner):
 def test_processes_share_a_study_through_its_storage():
     """Two samplers that know nothing of each other: what one has taken, the other does not take."""
     storage = optuna.storages.InMemoryStorage()
-    first = new("cma_es", storage=storage)
+    first = new("cma_es", storage=storage, elsewhere=0)
     first.optimize(bowl, n_trials=5)
-    second = optuna.load_study(study_name=first.study_name, storage=storage, sampler=HotlapSampler("cma_es", seed=1))
+    second = optuna.load_study(study_name=first.study_name, storage=storage, sampler=HotlapSampler("cma_es", seed=1, elsewhere=0))
     barrier = threading.Barrier(2)
 
     def work(study):
@@ -278,3 +279,62 @@ def test_a_value_that_nothing_can_beat_does_not_end_the_search(tuner, direction)
     assert np.isfinite(tried).all()
     assert len(np.unique(tried)) > 5
     assert np.abs(tried - 0.3).min() < 0.05
+
+
+@EVERY
+def test_every_tuner_by_its_default_covers_a_flat_range_in_200_trials(tuner):
+    """Of a value that is the same everywhere, in the user's own units; the random trials of the beginning do not count."""
+    study = new(tuner)
+    study.optimize(lambda trial: 0.0 * (trial.suggest_float("x", -3000.0, 7000.0) + trial.suggest_float("y", 0.001, 0.002)), n_trials=200)
+    for name, low, high in (("x", -3000.0, 7000.0), ("y", 0.001, 0.002)):
+        tried = [trial.params[name] for trial in study.trials[5:]]
+        assert (max(tried) - min(tried)) / (high - low) >= 0.9, name
+
+
+def test_random_search_is_uniform_over_the_range():
+    study = new("random_search", elsewhere=0)
+    study.optimize(lambda trial: (trial.suggest_float("x", -3000.0, 7000.0) - 6000.0) ** 2, n_trials=205)
+    counts, _ = np.histogram([trial.params["x"] for trial in study.trials[5:]], bins=10, range=(-3000.0, 7000.0))
+    assert counts.min() >= 8
+    assert counts.max() <= 36
+
+
+def test_trials_elsewhere_lie_in_every_stratum_of_every_axis():
+    for block in range(3):
+        points = np.array([anywhere(block * BLOCK + i, 3, seed=4) for i in range(BLOCK)])
+        assert (np.sort((points * BLOCK).astype(int), axis=0) == np.arange(BLOCK)[:, None]).all()
+    assert not np.array_equal(anywhere(0, 3, seed=4), anywhere(0, 3, seed=5))
+    assert not np.array_equal(anywhere(0, 3, seed=4), anywhere(BLOCK, 3, seed=4))
+
+
+def test_a_tuner_begins_anew_where_a_trial_elsewhere_is_better():
+    """A narrow well, and a slope that leads away from it."""
+
+    def well(trial):
+        x = trial.suggest_float("x", 0.0, 100.0)
+        return -10.0 + abs(x - 80) if abs(x - 80) < 5 else x / 100
+
+    study, without = new("metropolis_hastings"), new("metropolis_hastings", elsewhere=0)
+    for each in (study, without):
+        each.enqueue_trial({"x": 0.0})
+        each.optimize(well, n_trials=250)
+    assert {note.origin.run for note in map(Note.of, without.trials) if note is not None} == {0}
+    runs = {note.origin.run for note in map(Note.of, study.trials) if note is not None}
+    assert len(runs) > 1
+    assert study.best_value < -9
+
+
+def test_a_tuner_of_ones_own_that_breaks_the_protocol_is_one_line(tmp_path, monkeypatch):
+    (tmp_path / "silent_tuner.py").write_text(
+        "from hotlap.tuners.random_search import PRESETS, RandomSearch\n"
+        "class Silent(RandomSearch):\n    def tell(self, parameters, scores):\n        pass\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    study = new("silent_tuner.Silent")
+    with pytest.raises(InputError, match=r"^tuner: silent_tuner.Silent:paper: tell must return which candidates it accepts"):
+        study.optimize(bowl, n_trials=30)
+
+
+def test_senseless_shares_of_trials_elsewhere_are_refused():
+    with pytest.raises(ValueError, match="elsewhere must be 0, or 2 and more, not 1"):
+        HotlapSampler(elsewhere=1)

@@ -295,7 +295,7 @@ PRESETS = {"rounds": Rounds()}
 
 @pytest.mark.parametrize("changed", [Rounds(budget=20), Rounds(provenance="another paper")])
 def test_settings_of_a_tuner_count_whatever_they_are_called(tmp_path, monkeypatch, changed):
-    asked = configure(f"{__name__}.Own")
+    asked = configure(f"{__name__}.Remembering")
     with Study.open(tmp_path, asked):
         before = asked.fingerprint
     monkeypatch.setitem(PRESETS, "rounds", changed)

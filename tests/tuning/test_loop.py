@@ -78,7 +78,7 @@ class ScriptedObjective(Objective):
 
 
 def points(count: int) -> np.ndarray:
-    return np.tile(SCENARIO.space.first_guess(2), (count, 1, 1)) + np.arange(count)[:, None, None]
+    return np.tile(SCENARIO.space.first_guess(2), (count, 1, 1)) + 0.25 * np.arange(count)[:, None, None]
 
 
 def run(tuner: Tuner, objective: Objective | None = None, **settings) -> tuple[Tuning, list[Batch]]:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fake_world import FakeWorld, make_scenario
+from hotlap.core.errors import InputError
 from hotlap.race.race import GateRule, JudgeSettings
 from hotlap.race.vehicle_parameters import draw_vehicle_parameters
 from hotlap.tuning.objective import Objective
@@ -85,5 +86,31 @@ def test_a_cost_of_ones_own_takes_the_place_of_both_costs_and_of_nothing_else():
 def test_a_cost_of_ones_own_is_one_number_a_flight(cost):
     scenario = make_scenario()
     parameters = np.tile(scenario.space.first_guess(2), (6, 1, 1))
-    with pytest.raises(ValueError, match=r"cost must have shape \(6,\), one number a flight, not \("):
+    with pytest.raises(InputError, match=r"cost: must return one number for each flight, shape \(6,\), not \("):
         Objective(scenario, FakeWorld(), cost=cost).fly(parameters, np.arange(6))
+
+
+@pytest.mark.parametrize(
+    ("cost", "said"),
+    [
+        (lambda flights, _: -1.0 - flights.mean_error, "must not be negative, not -"),
+        (lambda flights, _: np.full(len(flights), -np.inf), "must not be negative, not -inf"),
+        (lambda _flights, _scores: None, "must return one number for each flight, shape (6,), not ()"),
+        (lambda _flights, _scores: {"cost": 1}, "must return numbers, shape (6,), not a dict"),
+        (lambda flights, _: ["much"] * len(flights), "must return numbers, shape (6,), not a list"),
+    ],
+)
+def test_a_cost_of_ones_own_that_is_negative_or_no_number_is_refused_in_one_line(cost, said):
+    scenario = make_scenario()
+    parameters = np.tile(scenario.space.first_guess(2), (6, 1, 1))
+    with pytest.raises(InputError) as error:
+        Objective(scenario, FakeWorld(), cost=cost).fly(parameters, np.arange(6))
+    assert str(error.value).startswith(f"cost: {said}")
+    assert "\n" not in str(error.value)
+
+
+def test_a_cost_of_ones_own_that_is_not_finite_is_the_worst():
+    scenario = make_scenario()
+    parameters = np.tile(scenario.space.first_guess(2), (2, 1, 1))
+    costs = Objective(scenario, FakeWorld(), cost=lambda *_: [np.inf, np.nan]).fly(parameters, np.arange(2)).cost
+    np.testing.assert_array_equal(costs, [np.inf, np.nan])

@@ -17,6 +17,7 @@ from hotlap import tuners, worlds
 from hotlap.analysis.robustness import check_robustness
 from hotlap.core.parameters import Parameters, ParameterSpace
 from hotlap.core.records import Scores
+from hotlap.core.shown import Shown
 from hotlap.first_guess.guess import DEFAULT, first_guess
 from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import Condition
@@ -28,6 +29,7 @@ from hotlap.system.journal import Journal
 from hotlap.tuners.tuner import Tuner
 from hotlap.tuning.loop import Batch, Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
+from hotlap.tuning.progress_curve import ProgressCurve
 from hotlap.worlds.built_in import BuiltIn
 
 
@@ -74,8 +76,8 @@ Group = tuple[Cell, ...]
 """Cells whose flights may be flown together: of one race, cut by one rule, in one world, all with dense costs or none."""
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(Shown):
     """One run of a tuner on a race, from the first guess to its validation.
 
     Attributes:
@@ -92,7 +94,7 @@ class Run:
         successes: of the validation.
         validation: its flights.
         tuner_time: [s] of the processor that the tuner itself took.
-        curve: (flights, completion of the best candidate so far) wherever that changed.
+        curve: (flights, completion of the best candidate so far) wherever that changed; each flight counts at its own number.
         held: (condition in words, successes, flights) of the best candidate, as tuned and under each condition that was asked for.
     """
 
@@ -192,12 +194,7 @@ class _Progress:
     seed: int
     tuning: Tuning
     tuner: Timed
-    curve: list[tuple[int, float]] = field(default_factory=list)
-
-    def follow(self, batch: Batch) -> None:
-        """Add a point to the curve if the completion of the best candidate has changed."""
-        if not self.curve or self.curve[-1][1] != batch.best.completion:
-            self.curve.append((batch.flights, batch.best.completion))
+    curve: ProgressCurve = field(default_factory=ProgressCurve)
 
 
 def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
@@ -211,7 +208,7 @@ def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
     guesses = {name: first_guess(scenario, name) for name in {cell.first_guess for cell in cells}}
     runs = [_begin(cell, scenario, guesses[cell.first_guess], seed) for cell in cells for seed in cell.seeds]
     for i, batch in tune_together(objective, [run.tuning for run in runs]):
-        runs[i].follow(batch)
+        runs[i].curve.follow(batch)
         if batch.done:
             yield runs[i].cell, _end(batch, runs[i], _fly_held(objective, runs[i], batch))
 
@@ -250,7 +247,7 @@ def _end(batch: Batch, progress: _Progress, held: tuple[tuple[str, int, int], ..
         successes=validation.successes if validation else 0,
         validation=validation.flights if validation else 0,
         tuner_time=progress.tuner.spent,
-        curve=tuple(progress.curve),
+        curve=tuple(progress.curve.points),
         held=held,
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -12,17 +12,20 @@ from numpy.typing import NDArray
 
 from hotlap.analysis.comparison import Run
 from hotlap.analysis.statistics import bootstrap_interval, means, medians, performance_profile, performance_ratios, quartiles
+from hotlap.core.shown import Shown
 from hotlap.core.success_rate import wilson_interval
 
 Floats = NDArray[np.float64]
 Interval = tuple[float, float]
+Problem = tuple[str, int]
+"""A race and a seed."""
 
 CHECKPOINTS = (50, 200, 1000)  # flights at which completion is looked at
 ALL = "all races"
 
 
-@dataclass(frozen=True)
-class Row:
+@dataclass(frozen=True, repr=False)
+class Row(Shown):
     """A tuner on a race; a run that never confirmed a candidate took infinitely many flights.
 
     Attributes:
@@ -39,7 +42,8 @@ class Row:
         all_flights_median: the same with re-flights.
         completions: mean completion of the best candidate after each of `CHECKPOINTS` that is within the budget.
         completion_median: of the best candidate at the end.
-        lap_time_median: [s] of the runs that have one; NaN without any.
+        lap_time_median: [s] of the runs that count, see `comparable_laps`; NaN without any.
+        lap_times: how many these are.
         tuner_time: [s] of the tuner itself for each flight.
         held: of each condition that was asked for, in words: share of successes, mean over runs, and 95 %, by resampling runs.
     """
@@ -58,6 +62,7 @@ class Row:
     completions: tuple[tuple[int, float], ...]
     completion_median: float
     lap_time_median: float
+    lap_times: int
     tuner_time: float
     held: tuple[tuple[str, float, Interval], ...] = ()
 
@@ -74,28 +79,47 @@ class Row:
         return {**plain, "completions": completions, "flights_median": self.flights_median, "held": held}
 
 
-def rows_of(runs: Iterable[Run]) -> list[Row]:
+def rows_of(runs: Sequence[Run]) -> list[Row]:
     """A row for each race and tuner, in the order in which they first occur."""
     groups: dict[tuple[str, str], list[Run]] = {}
     for run in runs:
         groups.setdefault((run.race, run.tuner), []).append(run)
-    return [summarise(race, tuner, group) for (race, tuner), group in groups.items()]
+    laps = comparable_laps(runs)
+    return [summarise(race, tuner, group, laps) for (race, tuner), group in groups.items()]
 
 
-def overall(runs: Iterable[Run]) -> list[Row]:
+def overall(runs: Sequence[Run]) -> list[Row]:
     """A row for each tuner over all its runs, the best first: by success, then by median flights."""
     groups: dict[str, list[Run]] = {}
     for run in runs:
         groups.setdefault(run.tuner, []).append(run)
-    rows = [summarise(ALL, tuner, group) for tuner, group in groups.items()]
+    laps = comparable_laps(runs)
+    rows = [summarise(ALL, tuner, group, laps) for tuner, group in groups.items()]
     return sorted(rows, key=lambda row: (-row.success_rate, row.flights_median, -row.validated_rate))
 
 
-def summarise(race: str, tuner: str, runs: Sequence[Run]) -> Row:
-    """One row; at least one run."""
+def comparable_laps(runs: Sequence[Run]) -> frozenset[Problem]:
+    """The races, each with a seed, that all tuners solved and have a lap time for: others' lap times are of other races or of luck."""
+    names = {run.tuner for run in runs}
+    solved: dict[Problem, set[str]] = {}
+    for run in runs:
+        if run.confirmed and math.isfinite(run.lap_time):
+            solved.setdefault((run.race, run.seed), set()).add(run.tuner)
+    return frozenset(problem for problem, by in solved.items() if by == names)
+
+
+def summarise(race: str, tuner: str, runs: Sequence[Run], laps: Container[Problem] | None = None) -> Row:
+    """One row.
+
+    Args:
+        race: its name, or `ALL`.
+        tuner: algorithm with preset.
+        runs: at least one.
+        laps: races and seeds whose lap times count; None: all.
+    """
     confirmed, validated = sum(run.confirmed for run in runs), np.array([run.validated for run in runs])
     budget, flights = max(run.budget for run in runs), search_flights(runs)
-    laps = [run.lap_time for run in runs if math.isfinite(run.lap_time)]
+    times = [run.lap_time for run in runs if math.isfinite(run.lap_time) and (laps is None or (run.race, run.seed) in laps)]
     whole = np.array([run.flights if run.confirmed else np.inf for run in runs])
     at = [(when, float(np.mean([run.completion_at(when) for run in runs]))) for when in CHECKPOINTS if when <= budget]
     return Row(
@@ -112,7 +136,8 @@ def summarise(race: str, tuner: str, runs: Sequence[Run]) -> Row:
         all_flights_median=quartiles(whole)[1],
         completions=tuple(at),
         completion_median=float(np.median([run.completion for run in runs])),
-        lap_time_median=float(np.median(laps)) if laps else float("nan"),
+        lap_time_median=float(np.median(times)) if times else float("nan"),
+        lap_times=len(times),
         tuner_time=sum(run.tuner_time for run in runs) / max(sum(run.flights for run in runs), 1),
         held=_held(runs),
     )
@@ -162,6 +187,8 @@ def completion_band(
     return np.quantile(values, lower, axis=0), np.median(values, axis=0), np.quantile(values, upper, axis=0)
 
 
+COMPLETIONS = "completion % at"  # with the numbers of flights behind it
+
 COLUMNS: Mapping[str, Callable[[Row], str]] = {
     "race": lambda row: row.race,
     "tuner": lambda row: row.tuner,
@@ -172,15 +199,18 @@ COLUMNS: Mapping[str, Callable[[Row], str]] = {
         f"{_count(row.flights_median)} [{_count(row.flights_quartiles[0])}, {_count(row.flights_quartiles[2])}]"
     ),
     "with re-flights": lambda row: _count(row.all_flights_median),
-    "completion % at 50 / 200 / 1000": lambda row: " / ".join(f"{100 * value:.0f}" for _, value in row.completions),
-    "lap s": lambda row: f"{row.lap_time_median:.2f}" if math.isfinite(row.lap_time_median) else "-",
+    COMPLETIONS: lambda row: " / ".join(f"{100 * value:.0f}" for _, value in row.completions),
+    "lap s (runs)": lambda row: f"{row.lap_time_median:.2f} ({row.lap_times})" if row.lap_times else "-",
     "ms/flight": lambda row: f"{1e3 * row.tuner_time:.2g}",
 }
 
 
-def cells_of(rows: Iterable[Row]) -> list[list[str]]:
-    """A table for people, with its header."""
-    return [list(COLUMNS), *([show(row) for show in COLUMNS.values()] for row in rows)]
+def cells_of(rows: Sequence[Row]) -> list[list[str]]:
+    """A table for people, with its header; at least one row."""
+    longest = max((row.completions for row in rows), key=len)
+    at = " / ".join(str(when) for when, _ in longest)
+    columns = {f"{name} {at}" if name is COMPLETIONS else name: show for name, show in COLUMNS.items() if at or name is not COMPLETIONS}
+    return [list(columns), *([show(row) for show in columns.values()] for row in rows)]
 
 
 def held_cells_of(rows: Sequence[Row]) -> list[list[str]]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hotlap.core.errors import PlanningError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
+from hotlap.core.shown import Shown
 from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import SYMPTOMS, Case, Cure, FailureCause, Suspicion, suspect
 from hotlap.feasibility.margins import margin
@@ -41,8 +42,8 @@ def cheap_replan(scenario: Scenario) -> Replan | None:
     return prepare if 0 < scenario.reference.cpu_time < CHEAP else None
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Shown):
     """A cause of failures, and what to do about it.
 
     Attributes:

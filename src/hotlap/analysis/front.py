@@ -31,6 +31,7 @@ from hotlap.analysis.plan_trials import (
 from hotlap.analysis.severity import FALLS, Standing, standing
 from hotlap.core.errors import HotlapError
 from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.shown import Shown
 from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import UNCHANGED, Condition
 from hotlap.race.race import Race
@@ -48,8 +49,8 @@ RANKED = 100  # flights under each condition by which plans are ranked
 CONFIRM = 5  # re-flights of a candidate, under each condition
 
 
-@dataclass(frozen=True)
-class Point:
+@dataclass(frozen=True, repr=False)
+class Point(Shown):
     """A plan that was tried, tuned and flown.
 
     Attributes:

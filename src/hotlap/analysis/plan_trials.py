@@ -19,6 +19,7 @@ from hotlap.analysis.learning import built_in_world
 from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.shown import Shown
 from hotlap.first_guess.guess import first_guess, rival_of
 from hotlap.first_guess.training_set import shipped
 from hotlap.planning.preparation import prepare
@@ -40,8 +41,8 @@ CHOSEN, FRESH = 500_000, 600_000  # first of the flights that plans are ranked b
 Do = Callable[[Mapping[str, "Trial"]], Mapping[str, dict[str, Any]]]
 
 
-@dataclass(frozen=True)
-class PlanSettings:
+@dataclass(frozen=True, repr=False)
+class PlanSettings(Shown):
     """Settings of the planner that the search varies.
 
     Attributes:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from hotlap.analysis.comparison import Cell, Run, RunJournal, fly_cells, missing
+from hotlap.core.shown import in_full
 from hotlap.system.disk_cache import digest_sources
 from hotlap.system.journal import Journal
 from hotlap.system.process_pool import spread
@@ -139,4 +140,4 @@ def _combination(cell: Cell) -> tuple[str, str, str, str]:
 
 def _digest(*values: Any) -> str:
     """Sixteen hexadecimal digits that change with anything in the values."""
-    return hashlib.sha256(repr(values).encode()).hexdigest()[:16]
+    return hashlib.sha256(in_full(values).encode()).hexdigest()[:16]

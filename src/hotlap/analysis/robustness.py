@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from hotlap.analysis.diagnosis import Diagnosis, cheap_replan, diagnose, telling
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.shown import Shown
 from hotlap.core.success_rate import Validation
 from hotlap.feasibility.demands import needed_vectors
 from hotlap.feasibility.margins import Margin, margin
@@ -25,8 +27,8 @@ FLIGHTS = 50  # under each condition
 HELD = 0.95  # share of successes from which on parameters hold under a condition
 
 
-@dataclass(frozen=True)
-class Robustness:
+@dataclass(frozen=True, repr=False)
+class Robustness(Shown):
     """Success rate of parameters under one condition.
 
     Attributes:
@@ -42,6 +44,13 @@ class Robustness:
     asked: bool = False
     margin: Margin | None = None
     causes: tuple[Diagnosis, ...] = ()
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON, in the keys of `robustness` of `hotlap tune --json`."""
+        (low, high), validation = self.validation.interval, self.validation
+        counts = {"flights": validation.flights, "successes": validation.successes, "rate": validation.rate}
+        about = {"margin": None if self.margin is None else self.margin.dump(), "causes": [cause.dump() for cause in self.causes]}
+        return {"change": self.change, "asked": self.asked, **counts, "low": low, "high": high, **about}
 
     @property
     def change(self) -> str:

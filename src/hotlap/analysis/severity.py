@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters
+from hotlap.core.shown import Shown
 from hotlap.race.conditions import UNCHANGED, Condition
 from hotlap.reference.scenario import Scenario
 from hotlap.tuning.under_conditions import fly_under
@@ -20,8 +21,8 @@ ASKED = SEVERITIES.index(1.0)
 FALLS = -1.0  # what parameters stand that do not even fly the race as it is described
 
 
-@dataclass(frozen=True)
-class Standing:
+@dataclass(frozen=True, repr=False)
+class Standing(Shown):
     """What parameters stand.
 
     Attributes:

@@ -19,6 +19,7 @@ from hotlap.core.counts import count
 from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Cause, End, Flights, Scores
+from hotlap.core.shown import Shown, in_full
 from hotlap.core.success_rate import Validation
 from hotlap.race.endings import in_words
 from hotlap.reference.scenario import Scenario
@@ -34,8 +35,8 @@ FINE = 0.095  # m, below which three digits are shown
 ATTEMPTS = 3  # at a flight that is lost
 
 
-@dataclass(frozen=True)
-class TransferFlight:
+@dataclass(frozen=True, repr=False)
+class TransferFlight(Shown):
     """A flight in one of several worlds.
 
     Attributes:
@@ -85,8 +86,8 @@ class TransferFlight:
         return cls(**{**values, "times": np.array(plain["times"], dtype=float), "errors": np.array(plain["errors"], dtype=float)})
 
 
-@dataclass(frozen=True)
-class TransferRow:
+@dataclass(frozen=True, repr=False)
+class TransferRow(Shown):
     """Flights with the same parameters in one world.
 
     Attributes:
@@ -300,4 +301,4 @@ def _describe(flight: TransferFlight, left: str) -> str:
 
 def _digest(*values: Any) -> str:
     """Sixteen hexadecimal digits that change with anything in the values."""
-    return hashlib.sha256(repr(values).encode()).hexdigest()[:16]
+    return hashlib.sha256(in_full(values).encode()).hexdigest()[:16]

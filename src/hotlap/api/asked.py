@@ -10,23 +10,26 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from hotlap.api.progress import Quiet
+from hotlap.api.given import as_annotated
+from hotlap.api.notebook import progress_of
 
 NAMELESS = ("progress", "cache")  # arguments that no recorded command has
 
 
 class Asked(SimpleNamespace):
-    """The arguments of a call by their names, as they were given; without `progress`, one that says nothing.
+    """The arguments of a call by their names, as they were given; without `progress`, one that shows bars in a notebook alone.
 
     Args:
         call: the function that was called.
         given: all its arguments.
+
+    Raises:
+        InputError: an argument is of another type than the call's signature says.
     """
 
     def __init__(self, call: Callable[..., Any], given: Mapping[str, Any]) -> None:
-        super().__init__(**given)
-        if getattr(self, "progress", None) is None:
-            self.progress = Quiet()
+        super().__init__(**as_annotated(call, given))
+        self.progress = progress_of(getattr(self, "progress", None))
         self._call = call
 
     def command(self, **changed: Any) -> str:
@@ -36,6 +39,25 @@ class Asked(SimpleNamespace):
             changed: arguments in place of those that were given.
         """
         return command_line(self._call, {**vars(self), **changed})
+
+    def code(self, **changed: Any) -> str:
+        """The call that does the same; where something that was given has no text, such as a `Race`, what differs from it.
+
+        Args:
+            changed: arguments in place of those that were given.
+        """
+        if not self.command(**changed):
+            return f"the same call{''.join(f', {name}={str(value)!r}' for name, value in changed.items())}"
+        given, words = {**vars(self), **changed}, list[str]()
+        for name, parameter in inspect.signature(self._call).parameters.items():
+            value = given.get(name, parameter.default)
+            if name in NAMELESS or value == parameter.default:
+                continue
+            plain = [str(one) if isinstance(one, Path) else one for one in (value if isinstance(value, list | tuple) else [value])]
+            shown = repr(plain if isinstance(value, list | tuple) else plain[0])
+            words.append(shown if parameter.kind is parameter.POSITIONAL_OR_KEYWORD else f"{name}={shown}")
+        words.sort(key=lambda word: word.startswith("out="))  # last, as it is looked for there
+        return f"hotlap.{self._call.__name__}({', '.join(words)})"
 
     @contextmanager
     def remarked(self, does: str, **changed: Any) -> Iterator[None]:
@@ -48,9 +70,7 @@ class Asked(SimpleNamespace):
         try:
             yield
         except BaseException as error:
-            command = self.command(**changed)
-            again = command or f"the same call{''.join(f', {name}={str(value)!r}' for name, value in changed.items())}"
-            error.add_note(f"nothing is lost; {does} with: {again}")
+            error.add_note(f"nothing is lost; {does} with: {self.code(**changed)}")
             raise
 
 

@@ -64,7 +64,7 @@ class CheckedFile(Outcome):
 
     def rows(self) -> list[dict[str, Any]]:
         """A row for each finding."""
-        return [{"label": one.label, "value": one.value, "remark": one.remark, "level": one.level.value} for one in self.findings]
+        return [{**_words(one), "level": one.level.value, "figures": dict(one.figures)} for one in self.findings]
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap check --json`."""
@@ -78,6 +78,11 @@ class CheckedFile(Outcome):
             InputError: always.
         """
         raise InputError("", "plot", "findings are words; hotlap.plan(RACE).plot() draws a race")
+
+
+def _words(finding: Finding) -> dict[str, str]:
+    """What a finding says to people."""
+    return {"label": finding.label, "value": finding.value, "remark": finding.remark}
 
 
 def carry_out(asked: Asked) -> CheckedFile:

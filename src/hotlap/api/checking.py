@@ -23,7 +23,7 @@ def check(
     segments: str = SegmentationRule.PAPER,
     controller: str | None = None,
     flights: int = 50,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> CheckedFile:
     """Say what a track, a quadrotor or a race means; a race is planned and flown: all that `hotlap check` does.
 
@@ -33,7 +33,7 @@ def check(
         segments: of a race: how the reference is cut.
         controller: of a race: which one flies; None: the race's.
         flights: of a race, with the default weights, and as many with the first guess; 0: none.
-        progress: receives messages about the progress of the work; None: no messages.
+        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
 
     Returns:
         The findings; a race without a plan is one, not an error.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hotlap import tuners, worlds
 from hotlap.analysis.comparison import Cell, Run, RunJournal, budget_of
 from hotlap.analysis.comparison_table import Row, cells_of, held_cells_of, markdown, overall, rows_of
+from hotlap.analysis.paired import Paired, paired, paired_cells
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.api.asked import Asked
 from hotlap.api.held import read_hold
@@ -20,6 +21,10 @@ from hotlap.api.scenarios import load, make_ready, make_scenario
 from hotlap.api.wording import percent
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
+from hotlap.core.shown import Listed
+from hotlap.files.descriptions import names
+from hotlap.files.kinds import Kind
+from hotlap.files.suites import expand
 from hotlap.first_guess.names import NAMES
 from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
@@ -62,14 +67,19 @@ class ComparisonResult(Outcome):
     pictures: tuple[Path, ...]
 
     @property
-    def by_race(self) -> list[Row]:
+    def by_race(self) -> Listed[Row]:
         """A row for each tuner on each race."""
-        return rows_of(self.runs)
+        return Listed(rows_of(self.runs))
 
     @property
-    def overall(self) -> list[Row]:
+    def overall(self) -> Listed[Row]:
         """A row for each tuner over all races, the best first."""
-        return overall(self.runs)
+        return Listed(overall(self.runs))
+
+    @property
+    def paired(self) -> Listed[Paired]:
+        """A row for each two tuners, compared race by race and seed by seed; the better one first."""
+        return Listed(paired(self.runs))
 
     def facts(self) -> dict[str, str]:
         """How often each tuner confirmed a candidate, over all races."""
@@ -90,6 +100,7 @@ class ComparisonResult(Outcome):
             "seeds": self.seeds,
             "rows": [row.dump() for row in self.by_race],
             "overall": [row.dump() for row in self.overall],
+            "paired": [row.dump() for row in self.paired],
             "folder": str(self.folder),
             "page": None if self.page is None else str(self.page),
             "pictures": [str(path) for path in self.pictures],
@@ -116,7 +127,7 @@ def carry_out(asked: Asked) -> ComparisonResult:
         jobs = ResumableJobs(folder, _processes(asked), asked.progress.pieces, asked.progress.note)
         runs = tuple(jobs.compare(cells, Flown()))
         pictures = _write(folder, runs, asked)
-        page = _write_page(folder, runs, pictures, asked)
+        page = _write_page(folder, runs, asked)
     return ComparisonResult(
         races=tuple(dict.fromkeys(cell.race.name for cell in cells)),
         tuners=tuple(dict.fromkeys(cell.tuner for cell in cells)),
@@ -170,7 +181,10 @@ def _cells(asked: Asked) -> list[Cell]:
 
 def _races(asked: Asked) -> list[Race]:
     """Each race once; no two of one name."""
-    given = [asked.races] if isinstance(asked.races, Race | str | Path) else asked.races
+    listed = [asked.races] if isinstance(asked.races, Race | str | Path) else asked.races
+    given = [race for word in listed for race in (expand([word], names(Kind.RACE), "race") if isinstance(word, str) else [word])]
+    if not given:
+        raise InputError("", "races", "are none")
     distinct = [race for i, race in enumerate(given) if race not in given[:i]]
     races = [load(race, asked.controller) for race in distinct]
     for race, source in zip(races, distinct, strict=True):
@@ -196,7 +210,7 @@ def _budgets(text: str) -> Mapping[str, int]:
 def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
     """The tables and pictures."""
     both = overall(runs), rows_of(runs)
-    tables = [*map(cells_of, both), *filter(None, map(held_cells_of, both))]
+    tables = [*map(cells_of, both), *filter(None, [paired_cells(paired(runs)), *map(held_cells_of, both)])]
     (folder / TABLE).write_text("\n".join(map(markdown, tables)), encoding="utf-8")
     from hotlap.report.comparison import draw_comparison  # noqa: PLC0415  matplotlib takes half a second to load
 
@@ -207,12 +221,12 @@ def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
         return ()
 
 
-def _write_page(folder: Path, runs: Sequence[Run], pictures: Sequence[Path], asked: Asked) -> Path | None:
+def _write_page(folder: Path, runs: Sequence[Run], asked: Asked) -> Path | None:
     """The same as one page that opens anywhere."""
     from hotlap.report.comparison_article import compose_article  # noqa: PLC0415  only where there is something to show
 
     try:
-        replace(folder / PAGE, compose_article(runs, pictures, RunJournal.file, asked.command()).html)
+        replace(folder / PAGE, compose_article(runs, RunJournal.file, asked.command()).html)
     except (HotlapError, OSError) as error:
         asked.progress.note(f"note: no page: {error}")
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,15 +35,16 @@ def compare(
     controller: str | None = None,
     on: str = "built-in",
     instances: int = 1,
-    hold: str = "",
-    progress: Progress | None = None,
+    hold: str | Sequence[str] | Mapping[str, str] = "",
+    progress: Progress | bool | None = None,
 ) -> ComparisonResult:
     """Run tuners on races with the same first guess, budget, seeds and noise: all that `hotlap compare` does.
 
     It flies in several processes, so a script calls it below `if __name__ == "__main__":`, or with `jobs=1`.
 
     Args:
-        races: built-in races (hotlap races) or TOML files; in Python also one alone, and each of them a `Race`.
+        races: built-in races (hotlap races), patterns of them ('circle-*'), sets (all, default, airsim, real) or TOML files; in Python
+            also one alone, and each of them a `Race`.
         out: folder of the comparison, begun or gone on with.
         tuners: NAME, NAME:PRESET or my_module.MyTuner of each; in Python also a list.
         seeds: runs of each tuner on each race.
@@ -61,7 +62,7 @@ def compare(
         on: where to fly.
         instances: simulators that fly side by side, where that is a simulator.
         hold: conditions to fly each result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
-        progress: receives messages about the progress of the work; None: no messages.
+        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
 
     Returns:
         Every run, and a row for each tuner on each race.

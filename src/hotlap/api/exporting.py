@@ -17,7 +17,7 @@ def export(
     format: str,  # noqa: A002  the option's name, which nobody would look for under another
     *,
     out: str | Path | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> ExportedFiles:
     """Write a study's parameters, or its flights, in the files of other programs: all that `hotlap export` does.
 
@@ -25,7 +25,7 @@ def export(
         folder: folder of a study, as hotlap tune made it.
         format: of which program.
         out: file to write; None: one in DIR.
-        progress: receives messages about the progress of the work; None: no messages.
+        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
 
     Returns:
         The files that were written.

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hotlap import tuners, worlds
 from hotlap.analysis.fastest import RELIABLE, fastest
@@ -20,6 +20,7 @@ from hotlap.api.held import read_hold
 from hotlap.api.inputs import as_path
 from hotlap.api.outcome import Outcome
 from hotlap.api.planned_race import RACE_FILE, PlannedRace, write_planned_race
+from hotlap.api.planning import plan
 from hotlap.api.scenarios import load, make_kind_ready
 from hotlap.api.wording import percent, seconds, share
 from hotlap.core.errors import InputError, PlanningError, StudyError
@@ -31,6 +32,9 @@ from hotlap.study.database import FILE as STUDY
 from hotlap.study.study import new_folder
 from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ROUNDS = 40  # of plans tried around the best so far
 FIXED = ("reference", "first_guess", "segments", "on", "instances", "randomise", "samples", "reliability", "selection", "minutes")
@@ -86,6 +90,16 @@ class FastestResult(Outcome):
             return []
         figures = {"lap_time": self.lap_time, "planned_before": self.planned_before, "rate": self.validation.rate}
         return [{"race": self.race, **figures, **vars(self.plan_settings)}]
+
+    def plot(self) -> Figure:
+        """The plan from above and from the side, coloured by speed.
+
+        Raises:
+            InputError: no plan was found.
+        """
+        if self.chosen is None:
+            raise InputError("", "plot", f"{self.race}: {self.verdict}")
+        return plan(self.chosen.race).plot()
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap tune --goal lap_time --json`."""

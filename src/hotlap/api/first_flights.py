@@ -76,7 +76,8 @@ class Tried:
         """How many were complete, and how the others ended."""
         complete = self.flown.complete
         value = f"{complete.successes} of {count(complete.flights, 'flight')} complete"
-        return Finding(self.name, value, ", ".join(self.flown.ends()), note_if(self.share < EASY))
+        figures = {"complete": complete.successes, "flights": complete.flights, "passed_gates": self.passed}
+        return Finding(self.name, value, ", ".join(self.flown.ends()), note_if(self.share < EASY), figures)
 
 
 def describe_flights(scenario: Scenario, world: World, flights: int, slower: Callable[[Race], Scenario] | None = None) -> Iterator[Finding]:
@@ -92,11 +93,13 @@ def describe_flights(scenario: Scenario, world: World, flights: int, slower: Cal
     yield from (one.finding for one in tried)
     if tried[0].dead:
         remark = f"over within {DEAD:g} s, whatever the weights: look at the start and its noise"
-        yield Finding("dead at once", f"{tried[0].dead} of {count(flights, 'flight')}", remark, Level.WARNING)
+        figures = {"dead": tried[0].dead, "flights": flights}
+        yield Finding("dead at once", f"{tried[0].dead} of {count(flights, 'flight')}", remark, Level.WARNING, figures)
     best = max(tried, key=lambda one: (one.share, one.passed))
     doom = find_doom(scenario, world, tried)
     if doom is not None:
-        yield Finding("random weights", f"0 of {WEIGHTS}", f"pass gate 1: {doom.words}", Level.WARNING)
+        figures = {"passing": 0, "weights": WEIGHTS}
+        yield Finding("random weights", f"0 of {WEIGHTS}", f"pass gate 1: {doom.words}", Level.WARNING, figures)
     room = float(rooms(scenario.race, scenario.reference).min())
     yield _error(best, room)
     yield _difficulty(tried, best, hopeless=doom is not None and doom.crashed)
@@ -177,7 +180,7 @@ def _error(best: Tried, room: float) -> Finding:
     """The controller's mean error beside what the plan leaves for it at the gates, [m]."""
     error = float(best.flown.scores.mean_error.mean())
     remark = f"from the reference, by the {best.name}; it leaves {max(room, 0.0):.2f} m at the gates"
-    return Finding("mean error", f"{error:.2f} m", remark, note_if(error > room))
+    return Finding("mean error", f"{error:.2f} m", remark, note_if(error > room), {"mean_error_m": error, "room_m": room})
 
 
 def _difficulty(tried: Sequence[Tried], best: Tried, *, hopeless: bool) -> Finding:
@@ -225,7 +228,8 @@ def _slow_down(race: Race, world: World, best: Tried, slower: Callable[[Race], S
     if (tried.share, tried.passed) > (best.share + MATTERS, 0) or tried.passed > best.passed + MATTERS:
         value = f"{tried.finding.value}, {percent(tried.passed)} of the gates" if tried.share < SOME else tried.finding.value
         remark = f"planning.thrust_share = {share:g}: {scenario.reference.lap_time:.2f} s"
-        yield Finding("with a slower plan", value, remark, Level.NOTE)
+        figures = {**tried.finding.figures, "thrust_share": share, "lap_time_s": scenario.reference.lap_time}
+        yield Finding("with a slower plan", value, remark, Level.NOTE, figures)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from hotlap.api.slow_flights import flying
 from hotlap.api.wording import percent, share
 from hotlap.core.counts import count
 from hotlap.core.parameters import Parameters
-from hotlap.core.records import Cause, End, Flights, Log, Scores
+from hotlap.core.records import Cause, End, Flights, Log, Scores, columns_of
 from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.files.descriptions import load_parameters
@@ -38,16 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_FLIGHTS = 100_000
-
-
-def columns_of(rotors: int) -> tuple[str, ...]:
-    """The columns of the log of a flight with so many rotors."""
-    return (
-        *("t", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"),
-        *(f"u_{k + 1}" for k in range(rotors)),
-        *("command_thrust", "command_w_x", "command_w_y", "command_w_z"),
-        *("thrust_effectiveness", "disturbance_x", "disturbance_y", "disturbance_z"),
-    )
 
 
 COLUMNS = columns_of(4)
@@ -213,7 +203,5 @@ def _parameters(asked: Asked, scenario: Scenario) -> Parameters:
 
 def write_log(path: Path, log: Log) -> None:
     """One flight as CSV: time, state, rotor thrusts, command and the controller's estimates of each step; NaN where a world logs none."""
-    estimates = np.full((len(log.times), 4), np.nan) if log.estimates is None else log.estimates
-    table = np.column_stack([log.times, log.states, log.rotor_thrusts, log.commands, estimates])
-    lines = [",".join(columns_of(log.rotor_thrusts.shape[1])), *(",".join(map(repr, row)) for row in table.tolist())]
+    lines = [",".join(columns_of(log.rotor_thrusts.shape[1])), *(",".join(map(repr, row)) for row in log.table.tolist())]
     replace(path, "\n".join(lines) + "\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,8 +30,8 @@ def fly(
     on: str = "built-in",
     instances: int = 1,
     log: str | Path | None = None,
-    hold: str = "",
-    progress: Progress | None = None,
+    hold: str | Sequence[str] | Mapping[str, str] = "",
+    progress: Progress | bool | None = None,
 ) -> FlightsResult:
     """Fly parameters many times, each time with fresh noise: all that `hotlap fly` does.
 
@@ -47,7 +48,7 @@ def fly(
         instances: simulators that fly side by side, where that is a simulator.
         log: write the first flight as CSV, step by step.
         hold: further conditions to fly them under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
-        progress: receives messages about the progress of the work; None: no messages.
+        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
 
     Returns:
         How each flight ended; a drone that crashes is a result.

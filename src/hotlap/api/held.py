@@ -48,15 +48,9 @@ def say_held(robustness: Sequence[Robustness]) -> str:
 
 def dump_margin(margin: Margin | None) -> Mapping[str, Any] | None:
     """As plain JSON."""
-    if margin is None:
-        return None
-    names = ("thrust", "reserve", "available", "needed", "time", "place", "rates")
-    return {name: getattr(margin, name) for name in names}
+    return None if margin is None else margin.dump()
 
 
 def dump_robustness(robustness: Robustness) -> Mapping[str, Any]:
     """As plain JSON."""
-    (low, high), validation = robustness.validation.interval, robustness.validation
-    counts = {"flights": validation.flights, "successes": validation.successes, "rate": validation.rate}
-    about = {"margin": dump_margin(robustness.margin), "causes": [cause.dump() for cause in robustness.causes]}
-    return {"change": robustness.change, "asked": robustness.asked, **counts, "low": low, "high": high, **about}
+    return robustness.dump()

@@ -20,8 +20,6 @@ from hotlap.report.formats import SUFFIXES
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-AXES, QUATERNION = "xyz", "wxyz"
-
 
 @dataclass(frozen=True, repr=False)
 class PlannedReference(Outcome):
@@ -55,17 +53,7 @@ class PlannedReference(Outcome):
 
     def rows(self) -> list[dict[str, Any]]:
         """The rows of the reference up to its end: time [s], position [m], attitude, velocity [m/s], thrust [m/s^2], rates [rad/s]."""
-        reference = self.reference
-        columns = {
-            "t": reference.times,
-            **{f"p_{axis}": reference.position[:, i] for i, axis in enumerate(AXES)},
-            **{f"q_{part}": reference.attitude[:, i] for i, part in enumerate(QUATERNION)},
-            **{f"v_{axis}": reference.velocity[:, i] for i, axis in enumerate(AXES)},
-            "thrust": reference.thrust,
-            **{f"w_{axis}": reference.rates[:, i] for i, axis in enumerate(AXES)},
-        }
-        planned = [values[: reference.planned_rows].tolist() for values in columns.values()]
-        return [dict(zip(columns, row, strict=True)) for row in zip(*planned, strict=True)]
+        return self.reference.records()
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap plan --json`."""

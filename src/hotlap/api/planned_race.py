@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hotlap.analysis.plan_trials import PlanSettings
+from hotlap.core.shown import Shown
 from hotlap.core.version import __version__
 from hotlap.files.descriptions import PARAMETERS_FILE, save, save_parameters
 from hotlap.files.parameters_file import Remark, SavedParameters
@@ -21,8 +22,8 @@ from hotlap.tuning.goal_forms import LAP_TIME
 RACE_FILE = "race.toml"
 
 
-@dataclass(frozen=True)
-class PlannedRace:
+@dataclass(frozen=True, repr=False)
+class PlannedRace(Shown):
     """Where a planned race lies.
 
     Attributes:

@@ -22,7 +22,7 @@ def plan(
     reference: str | Path | None = None,
     segments: str = SegmentationRule.PAPER,
     cache: bool = True,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> PlannedReference:
     """Plan the fastest flight through a race's gates, and cut it into segments: all that `hotlap plan` does.
 
@@ -33,7 +33,7 @@ def plan(
         reference: read this CSV instead of planning.
         segments: how the reference is cut.
         cache: take the plan from the user's cache, and leave it there; False: plan anew, and keep nothing in the cache of plans.
-        progress: receives messages about the progress of the work; None: no messages.
+        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
 
     Returns:
         The reference with its segments.

@@ -165,5 +165,5 @@ def read_guess(text: str, scenario: Scenario, progress: Progress) -> Parameters:
 def _refuse_unfinished(path: Path) -> None:
     """A folder whose study has not ended holds no parameters yet."""
     if path.is_dir() and (path / FILE).exists() and not (path / PARAMETERS_FILE).exists():
-        reason = f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap tune --out {path} goes on with it"
+        reason = f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap.tune(RACE, out={str(path)!r}) goes on with it"
         raise InputError(str(path), "", reason)

@@ -18,6 +18,7 @@ from hotlap.api.scenarios import make_ready
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
 from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
+from hotlap.core.shown import Listed
 from hotlap.first_guess.guess import first_guess
 from hotlap.reference.scenario import Scenario
 from hotlap.study.snapshot import ELSEWHERE, Snapshot, read_snapshot
@@ -55,9 +56,9 @@ class TransferResult(Outcome):
     pictures: tuple[Path, ...]
 
     @property
-    def by_world(self) -> list[TransferRow]:
+    def by_world(self) -> Listed[TransferRow]:
         """A row for each set of parameters in each world."""
-        return rows_of(self.flights)
+        return Listed(rows_of(self.flights))
 
     def facts(self) -> dict[str, str]:
         """How many of the flights with tuned parameters passed every gate in each world, and their error."""
@@ -120,7 +121,7 @@ def _read(folder: Path) -> Snapshot:
     with Study.read(folder) as study:
         snapshot = read_snapshot(study)
     if not snapshot.finished:
-        raise StudyError(str(folder), "", f"holds a study that has not ended; hotlap tune --out {folder} goes on with it")
+        raise StudyError(str(folder), "", f"holds a study that has not ended; hotlap.tune(RACE, out={str(folder)!r}) goes on with it")
     return snapshot
 
 

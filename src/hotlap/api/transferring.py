@@ -20,7 +20,7 @@ def transfer(
     to: str | World | Sequence[str | World],
     flights: int = 3,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> TransferResult:
     """Fly a study's parameters, and the default ones, in other worlds with the same noise: all that `hotlap transfer` does.
 
@@ -29,7 +29,7 @@ def transfer(
         to: names of other worlds; in Python also worlds themselves.
         flights: of each set of parameters in each world, 3 or more.
         seed: of the noise.
-        progress: receives messages about the progress of the work; None: no messages.
+        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
 
     Returns:
         How each flight went, in the world of the study first.

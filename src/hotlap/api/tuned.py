@@ -16,6 +16,7 @@ from hotlap.analysis.remedies import Failures, failures_of, what_to_try
 from hotlap.api.asked import Asked, command_line
 from hotlap.api.beginning import begin, begun_with, describe_beginning
 from hotlap.api.chosen import advise_calmer, choose_plan, leaves_open, minutes_beside, plan_of
+from hotlap.api.exporting import export
 from hotlap.api.first_flights import say_doom
 from hotlap.api.flying import fly
 from hotlap.api.held import all_held, dump_robustness, read_hold
@@ -28,7 +29,8 @@ from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError
 from hotlap.core.parameters import Parameters
-from hotlap.core.seeds import FLIGHTS_A_STREAM, Stream
+from hotlap.core.seeds import FLIGHTS_A_STREAM
+from hotlap.core.shown import Listed
 from hotlap.core.success_rate import Validation
 from hotlap.core.version import __version__
 from hotlap.feasibility.demands import advice
@@ -58,6 +60,7 @@ if TYPE_CHECKING:
 
     from hotlap.analysis.diagnosis import Diagnosis
     from hotlap.analysis.robustness import Robustness
+    from hotlap.api.exported import ExportedFiles
 
 HOME = "home"  # folder of what was tuned in the built-in world, within that of a study
 FASTEST = ("race.toml", Journal.file)  # written by the search for the fastest plan, which may not have ended
@@ -116,7 +119,7 @@ class TuningResult(Outcome):
     @property
     def causes(self) -> tuple[Diagnosis, ...]:
         """Why flights with the best parameters fail, the likeliest cause first; empty where they do not, or nothing was flown again."""
-        return self.robustness[0].causes if self.robustness else ()
+        return Listed(self.robustness[0].causes if self.robustness else ())
 
     @property
     def failures(self) -> Failures:
@@ -161,19 +164,8 @@ class TuningResult(Outcome):
     def rows(self) -> list[dict[str, Any]]:
         """A row for each flight of the study: search and confirmation in the order flown, then the validations."""
         with Study.read(self.folder) as study:
-            ledger = study.flights()
-        columns = {
-            "number": ledger.numbers.tolist(),
-            "stream": [Stream(stream).name.lower() for stream in ledger.streams.tolist()],
-            "seed": ledger.seeds.tolist(),
-            "completion": ledger.completion.tolist(),
-            "cost": ledger.cost.tolist(),
-            "lap_time": ledger.lap_time.tolist(),
-            "mean_error": ledger.mean_error.tolist(),
-            "max_error": ledger.max_error.tolist(),
-            "accepted": ledger.accepted.tolist(),
-        }
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+            records = study.flights().records()
+        return [{key: value for key, value in row.items() if key != "parameters"} for row in records]
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of `hotlap tune --json`."""
@@ -183,6 +175,18 @@ class TuningResult(Outcome):
         about["causes"] = [cause.dump() for cause in self.causes]
         said = {"notes": list(self.scenario.notes), "advice": list(self.advice), "plans": [plan.dump() for plan in self.plans]}
         return {**self.result.dump(), "wall_time": self.wall_time, **about, **said, **paths}
+
+    def export(self, format: str, out: str | Path | None = None) -> ExportedFiles:  # noqa: A002  as `hotlap.export` calls it
+        """The parameters, or the flights, in the files of another program, as `hotlap.export` writes them.
+
+        Args:
+            format: of which program.
+            out: file to write; None: one in the folder of the study.
+
+        Raises:
+            InputError: there is no such format, or it cannot hold these parameters.
+        """
+        return export(self.folder, format, out=out)
 
     def plot(self) -> Figure:
         """Completion and cost over the flights of the search."""
@@ -274,7 +278,7 @@ def _begun_at_home(job: _Job, folder: Path) -> _Job:
 def _open_early(job: _Job) -> None:
     """Open a simulator before anything takes its time, so that one that cannot be opened is known at once."""
     assert isinstance(job.world, Stepped)  # noqa: S101  our own mistake
-    quiet = Asked(tune, {**vars(job.asked), "progress": None})
+    quiet = Asked(tune, {**vars(job.asked), "progress": False})
     scenario = make_scenario(job.race, quiet)
     with job.asked.progress.working(job.world.opening):
         job.world.capacity(scenario)

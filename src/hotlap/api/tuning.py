@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, overload
 
@@ -31,8 +32,8 @@ def tune(  # pyright: ignore[reportOverlappingOverload]  the narrower one goes f
     confirm: int = 10,
     validation: int = 200,
     batch: int = 8,
-    hold: str = "",
-    progress: Progress | None = None,
+    hold: str | Sequence[str] | Mapping[str, str] = "",
+    progress: Progress | bool | None = None,
 ) -> FastestResult | FrontResult: ...
 
 
@@ -59,8 +60,8 @@ def tune(
     batch: int = 8,
     selection: int = 2000,
     minutes: float = 0.0,
-    hold: str = "",
-    progress: Progress | None = None,
+    hold: str | Sequence[str] | Mapping[str, str] = "",
+    progress: Progress | bool | None = None,
 ) -> TuningResult: ...
 
 
@@ -86,8 +87,8 @@ def tune(
     batch: int = 8,
     selection: int = 2000,
     minutes: float = 0.0,
-    hold: str = "",
-    progress: Progress | None = None,
+    hold: str | Sequence[str] | Mapping[str, str] = "",
+    progress: Progress | bool | None = None,
 ) -> TuningResult | FastestResult | FrontResult:
     """Plan a race, tune its controller, confirm and validate the result, and write a page about it: all that `hotlap tune` does.
 
@@ -116,7 +117,7 @@ def tune(
             it is another number than 2000.
         minutes: of wall time for search, choice and validation, in which populations are flown; 0: flights are counted, not time.
         hold: further conditions to fly the result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
-        progress: receives messages about the progress of the work; None: no messages.
+        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
 
     Returns:
         How it ended, also where the goal was not confirmed; everything that it found lies in the folder of the study. For the goal lap_time

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from keyword import iskeyword
@@ -16,15 +17,23 @@ from hotlap.api.planning import plan
 from hotlap.api.transferring import transfer
 from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
-from hotlap.cli.parser import Parser, one_of, path, whole
+from hotlap.cli.parser import Parser, one_of, path, whole, wrapped
 from hotlap.files.kinds import Kind
+from hotlap.files.suites import SUITES
 from hotlap.first_guess.names import DEFAULT
 from hotlap.report.formats import FORMATS as PICTURES
 from hotlap.reproduce.experiments import EXPERIMENTS
 from hotlap.tuning.goal_forms import FORMS, LAP_TIME
 
+SHELLS = ("bash", "zsh", "fish")
 REPRODUCED = Path("runs/reproduced")
 FIRST_GUESS = Shown("NAME", "first guess", GUESSES)
+
+ABOUT = """From a list of gates to a tuned controller: plans the fastest flight through a race track, then tunes a quadrotor's
+model-predictive controller in simulated flights until it passes every gate."""
+OPTIONS = {"-h, --help": "show this help, or that of a command: hotlap tune --help", "--version": "show the version"}
+EVERY_COMMAND = """Every command takes --json, --verbose and --log-file FILE. Exit status: 0 success, 1 the work failed (goal not
+reached, no plan), 2 bad input."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +57,8 @@ class Command:
         parser = Parser(f"hotlap {name}", self.summary, self.examples)
         self.add(parser)
         parser.add_argument("--json", action="store_true", help="print one JSON document instead of text for people")
+        parser.add_argument("--verbose", action="store_true", help="say what is done, with times; of an error, where it arose")
+        parser.add_argument("--log-file", type=path, metavar="FILE", help="append everything that is said to this file, with times")
         return parser
 
 
@@ -70,8 +81,14 @@ def _jobs(parser: Parser) -> None:
     parser.add_argument("--jobs", type=whole, default=0, metavar="N", automatic="one a processor", help="processes")
 
 
-def _races(parser: Parser) -> None:  # noqa: ARG001  it takes none
-    return
+def _listed(*suites: str) -> Callable[[Parser], None]:
+    """The argument of a list: what to leave of it."""
+
+    def add(parser: Parser) -> None:
+        kinds = "names or patterns, like 'circle*'" if not suites else f"names, patterns like 'circle-*', or sets: {', '.join(suites)}"
+        parser.add_argument("names", nargs="*", metavar="NAME", automatic="all", help=f"what to list: {kinds}")
+
+    return add
 
 
 def _check(parser: Parser) -> None:
@@ -117,14 +134,16 @@ def _report(parser: Parser) -> None:
 
 
 def _watch(parser: Parser) -> None:
-    _study(parser)
     add = parser.add_argument
+    add("study", type=path, metavar="DIR", help="folder of a study, as hotlap tune makes it, or one with studies in it or below it")
     add("--port", type=whole, default=0, metavar="N", automatic="any that is free", help="to listen on")
     add("--host", default="127.0.0.1", metavar="NAME", help="to listen on; 127.0.0.1 is this machine alone")
 
 
 def _compare(parser: Parser) -> None:
     add_call(parser, compare, out=Shown("DIR"), first_guess=FIRST_GUESS)
+    sets = one_of("set of races", tuple(SUITES))
+    parser.add_argument("--races", dest="suite", type=sets, metavar="SET", stands_for="races", help=f"a set of races: {', '.join(SUITES)}")
 
 
 def _landscape(parser: Parser) -> None:
@@ -165,8 +184,29 @@ def _bench(parser: Parser) -> None:  # noqa: ARG001  it takes none
     return
 
 
+def _cache(parser: Parser) -> None:
+    parser.add_argument("--clear", action="store_true", help="remove it")
+
+
+def _completion(parser: Parser) -> None:
+    parser.add_argument("shell", metavar="SHELL", type=one_of("shell", SHELLS), help=", ".join(SHELLS))
+
+
 COMMANDS: Mapping[str, Command] = {
-    "races": Command("list the built-in races", "List the built-in races and what to expect of them.", _races, ()),
+    "races": Command(
+        "list the built-in races",
+        "List the built-in races and what to expect of them.",
+        _listed(*SUITES),
+        ("hotlap races", "hotlap races 'circle-*' real"),
+    ),
+    "tracks": Command("list the built-in tracks", "List the built-in tracks.", _listed(), ("hotlap tracks", "hotlap tracks '*-gates'")),
+    "quadrotors": Command(
+        "list the built-in quadrotors", "List the built-in quadrotors.", _listed(), ("hotlap quadrotors", "hotlap quadrotors 'airsim*'")
+    ),
+    "tuners": Command(
+        "list the tuners", "List the algorithms that tune, with their presets.", _listed(), ("hotlap tuners", "hotlap tuners 'cma_es:*'")
+    ),
+    "worlds": Command("list the worlds", "List where flights can happen, and what each still needs.", _listed(), ("hotlap worlds",)),
     "check": Command(
         "say what a file means",
         "Say what a track, quadrotor or race means: thrust margins, latency, lag, limits that bind. A race is planned, and flown with\n"
@@ -217,6 +257,8 @@ COMMANDS: Mapping[str, Command] = {
         _compare,
         (
             "hotlap compare drop-20 flip-16 --out runs/compared",
+            "hotlap compare 'circle-*' --out runs/circles",
+            "hotlap compare --races airsim --seeds 3 --out runs/airsim",
             "hotlap compare my-race.toml --tuners gate_gp,cma_es:tied --seeds 20 --out runs/mine",
         ),
     ),
@@ -241,11 +283,12 @@ COMMANDS: Mapping[str, Command] = {
         ("hotlap report runs/mine", "hotlap report runs/mine --figures --format pdf", "hotlap report runs/mine --video lap.gif"),
     ),
     "watch": Command(
-        "show a study in the browser while it runs",
-        "Show the page of a study to browsers on this machine, and keep it up to date as flights come in, until Ctrl-C. Nothing is\n"
-        "written; --json prints the address at once.",
+        "show a study, or a folder of them, in the browser",
+        "Show the page of a study to browsers on this machine, and keep it up to date as flights come in, until Ctrl-C. Of a folder of\n"
+        "studies it shows a table of all, to be sorted and sifted, and the page of each. Nothing is written; --json prints the address\n"
+        "at once.",
         _watch,
-        ("hotlap watch runs/mine", "hotlap watch runs/mine --port 8080"),
+        ("hotlap watch runs/mine", "hotlap watch runs", "hotlap watch runs/mine --port 8080"),
     ),
     "export": Command(
         "write parameters for other programs",
@@ -274,6 +317,19 @@ COMMANDS: Mapping[str, Command] = {
         _reproduce,
         ("hotlap reproduce experts", "hotlap reproduce all --quick --out runs/quick"),
     ),
+    "cache": Command(
+        "show or remove what is kept between runs",
+        "Say where plans and compiled code are kept between runs, and how large they are. All of it can be made again: a plan takes\n"
+        "seconds, the code of the flight core about twenty.",
+        _cache,
+        ("hotlap cache", "hotlap cache --clear"),
+    ),
+    "completion": Command(
+        "complete commands in a shell",
+        "Print what makes a shell complete commands, options, races, quadrotors, tracks and tuners when Tab is pressed.",
+        _completion,
+        ('eval "$(hotlap completion bash)"', 'eval "$(hotlap completion zsh)"', "hotlap completion fish | source"),
+    ),
     "bench": Command("measure the flight core", "Measure how fast the flight core flies on this machine.", _bench, ()),
 }
 
@@ -284,21 +340,16 @@ def module_of(command: str) -> str:
 
 
 def overview() -> str:
-    """The help of `hotlap` itself."""
+    """The help of `hotlap` itself, as wide as the terminal."""
+    columns = shutil.get_terminal_size().columns - 1
     width = max(map(len, COMMANDS))
-    commands = "\n".join(f"  {name:<{width}}  {command.purpose}" for name, command in COMMANDS.items())
-    return f"""usage: hotlap COMMAND [ARGUMENTS]
-
-From a list of gates to a tuned controller: plans the fastest flight through a race track, then tunes a
-quadrotor's model-predictive controller in simulated flights until it passes every gate.
-
-commands:
-{commands}
-
-options:
-  -h, --help  show this help, or that of a command: hotlap tune --help
-  --version   show the version
-
-Every command takes --json. Exit status: 0 success, 1 the work failed (goal not reached, no plan), 2 bad input.
-To begin with: hotlap tune circle-34
-"""
+    beside = " " * (width + 4)
+    parts = [
+        "usage: hotlap COMMAND [ARGUMENTS]",
+        wrapped(ABOUT, columns),
+        "commands:\n" + "\n".join(wrapped(command.purpose, columns, beside, f"  {name:<{width}}  ") for name, command in COMMANDS.items()),
+        "options:\n" + "\n".join(wrapped(meaning, columns, " " * 14, f"  {option:<10}  ") for option, meaning in OPTIONS.items()),
+        wrapped(EVERY_COMMAND, columns),
+        "To begin with: hotlap tune circle-34",
+    ]
+    return "\n\n".join(parts) + "\n"

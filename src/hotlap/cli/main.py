@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import io
-import os
 import shlex
 import sys
 import warnings
@@ -14,10 +13,12 @@ from importlib import import_module
 from pathlib import Path
 
 from hotlap.cli.arguments import COMMANDS, module_of, overview
+from hotlap.cli.failures import complain, drop_output, print_json, wants_json
+from hotlap.cli.log import LOG, logged
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
 from hotlap.core.errors import HotlapError, InputError, UnknownNameError
-from hotlap.core.printable import printable
+from hotlap.core.platforms import unsupported
 from hotlap.core.version import __version__
 from hotlap.system.blas_threads import one_thread
 
@@ -35,6 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit status: 0 success, 1 the work failed, 2 bad input, 128 + the signal that stopped it.
     """
+    if unsupported():
+        return complain(unsupported(), FAILURE)
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     gc.set_threshold(ALLOCATIONS)
     one_thread()
@@ -48,20 +51,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
             status = _run(arguments)
             sys.stdout.flush()
             return status
-    except InputError as error:
-        return _complain(str(error), BAD_INPUT)
     except HotlapError as error:
-        return _complain(str(error), FAILURE)
+        status = BAD_INPUT if isinstance(error, InputError) else FAILURE
+        if wants_json(arguments):
+            print_json(error, status)
+        return complain(str(error), status)
     except KeyboardInterrupt as stop:
         notes = getattr(stop, "__notes__", [f"begin again with: {shlex.join(['hotlap', *arguments])}"])
-        return _complain(f"interrupted; {notes[0]}", stop.code if isinstance(stop, Stopped) else 130)
+        return complain(f"interrupted; {notes[0]}", stop.code if isinstance(stop, Stopped) else 130)
     except BrokenPipeError:
-        _drop_output()
+        drop_output()
         return PIPE_CLOSED
     except OSError as error:
         if error.filename is None:
-            _drop_output()
-        return _complain(f"{error.filename or 'standard output'}: {error.strerror or error}", FAILURE)
+            drop_output()
+        elif wants_json(arguments):
+            print_json(error, FAILURE)
+        return complain(f"{error.filename or 'standard output'}: {error.strerror or error}", FAILURE)
 
 
 def _run(arguments: list[str]) -> int:
@@ -83,12 +89,13 @@ def _run(arguments: list[str]) -> int:
         sys.stdout.write(parser.format_help())
         return SUCCESS
     options.arguments = tuple(rest)
-    try:
-        return import_module(module_of(name)).run(options)
-    except InputError as error:
-        if parser.as_option(error) is error:
-            raise
-        raise parser.as_option(error) from error
+    with logged(options, name, rest):
+        try:
+            return import_module(module_of(name)).run(options)
+        except InputError as error:
+            if parser.as_option(error) is error:
+                raise
+            raise parser.as_option(error) from error
 
 
 def _look_here() -> None:
@@ -105,19 +112,8 @@ def _show_each_once() -> Callable[..., None]:
 
     def show(message: Warning | str, *_: object) -> None:
         if str(message) not in said:
+            LOG.warning("%s", message)
             said.add(str(message))
             sys.stderr.write(f"hotlap: warning: {message}\n")
 
     return show
-
-
-def _complain(message: str, status: int) -> int:
-    """One line on standard error."""
-    sys.stderr.write(f"hotlap: {printable(message)}\n")
-    return status
-
-
-def _drop_output() -> None:
-    """Let what is still to be flushed go nowhere, so that the interpreter does not fail over it again."""
-    with suppress(OSError), Path(os.devnull).open("w", encoding="utf-8") as nowhere:
-        os.dup2(nowhere.fileno(), sys.stdout.fileno())

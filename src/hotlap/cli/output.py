@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, NoReturn
@@ -12,6 +13,7 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
+from hotlap.cli.log import LOG
 from hotlap.core.finite import finite
 
 Line = str | Text
@@ -50,21 +52,25 @@ def present(*, as_json: bool, document: Mapping[str, Any], lines: Iterable[Line]
 
 def note(text: str) -> None:
     """Say something beside the result."""
+    LOG.info("%s", text)
     Plain(stderr=True).print(text, soft_wrap=True)
 
 
 @contextmanager
 def working(text: str) -> Iterator[None]:
     """Say what takes its time: a spinner with a clock on a terminal, else one line."""
-    console = Plain(stderr=True)
+    console, begun = Plain(stderr=True), time.monotonic()
     if not console.is_terminal:
         note(f"{text} ...")
         yield
+        LOG.debug("%s: %.2f s", text, time.monotonic() - begun)
         return
+    LOG.info("%s ...", text)
     words = TextColumn("{task.description}", markup=False)
     with Progress(SpinnerColumn(), words, TimeElapsedColumn(), console=console, transient=True) as progress:
         progress.add_task(f"{text} ...", total=None)
         yield
+    LOG.debug("%s: %.2f s", text, time.monotonic() - begun)
 
 
 def table(rows: Sequence[Sequence[str]], *, right: Iterable[int] = (), indent: str = "") -> list[str]:

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Sequence
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,11 +18,19 @@ from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.core.renamed import say_renamed
 
 HELP = {"-h", "--help"}
+EXAMPLES = "examples:"
+NARROWEST = 20  # columns of prose
 RENAMED = {"--worlds": "--samples"}  # options of before
 
 
 class Help(argparse.RawDescriptionHelpFormatter):
-    """Help in which a per cent sign is one: defaults are in the text already."""
+    """Help as wide as the terminal, in which a per cent sign is one: defaults are in the text already."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        """Prose is broken where lines end; examples are left as they are, to be copied."""
+        if text.startswith(EXAMPLES):
+            return super()._fill_text(text, width, indent)
+        return wrapped(text, width, indent)
 
     def _get_help_string(self, action: argparse.Action) -> str:
         return (action.help or "").replace("%", "%%")
@@ -39,8 +49,9 @@ class Parser(argparse.ArgumentParser):
     """
 
     def __init__(self, command: str, summary: str, examples: Sequence[str] = ()) -> None:
-        shown = "\n".join(["examples:", *(f"  {line}" for line in examples)]) if examples else None
+        shown = "\n".join([EXAMPLES, *(f"  {line}" for line in examples)]) if examples else None
         self.arguments: list[argparse.Action] = []
+        self._stands_for: dict[str, str] = {}
         super().__init__(
             command,
             description=summary,
@@ -52,12 +63,13 @@ class Parser(argparse.ArgumentParser):
         )
         self.add_argument("-h", "--help", action="store_true", help="show this help")
 
-    def add_argument(self, *names: str, automatic: str = "", **settings: Any) -> argparse.Action:
+    def add_argument(self, *names: str, automatic: str = "", stands_for: str = "", **settings: Any) -> argparse.Action:
         """The same as argparse's, with the default said in the help.
 
         Args:
             names: of the argument.
             automatic: what the default means, where the value itself says nothing.
+            stands_for: another argument, which need not be given where this one is.
             settings: as argparse takes them.
 
         Returns:
@@ -68,6 +80,8 @@ class Parser(argparse.ArgumentParser):
         action = super().add_argument(*names, **settings)
         action.help = f"{action.help} (default: {shown})" if shown else action.help
         self.arguments.append(action)
+        if stands_for:
+            self._stands_for[stands_for] = action.dest
         return action
 
     @property
@@ -115,7 +129,8 @@ class Parser(argparse.ArgumentParser):
         finally:
             for action in required:
                 action.required = True
-        missing = [action for action in required if getattr(parsed, action.dest) is None]
+        given = {name for name, other in self._stands_for.items() if getattr(parsed, other) is not None}
+        missing = [action for action in required if getattr(parsed, action.dest) is None and action.dest not in given]
         if missing:
             names = ", ".join(map(_written, missing))
             raise InputError(names, "", f"is missing; see {self.prog} --help")
@@ -139,6 +154,20 @@ class Parser(argparse.ArgumentParser):
         return InputError(argument, "", f"is no option of {self.prog}{hint}; see {self.prog} --help")
 
 
+def wrapped(text: str, width: int, indent: str = "", first: str | None = None) -> str:
+    """A text broken into lines of at most so many columns, none where an option's words have a hyphen.
+
+    Args:
+        text: line breaks in it are blanks.
+        width: columns.
+        indent: of every line.
+        first: of the first line; None: the same.
+    """
+    words, width = " ".join(text.split()), max(width, NARROWEST)
+    start = indent if first is None else first
+    return textwrap.fill(words, width, initial_indent=start, subsequent_indent=indent, break_on_hyphens=False, break_long_words=False)
+
+
 def _written(action: argparse.Action) -> str:
     """An argument as the usage calls it."""
     return action.option_strings[-1] if action.option_strings else str(action.metavar)
@@ -154,24 +183,28 @@ def whole(text: str) -> int:
 
 def fraction(text: str) -> float:
     """A number from 0 to 1."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _number(text)
     if not 0 <= value <= 1:
-        raise argparse.ArgumentTypeError(f"must be a fraction from 0 to 1, not '{text}'")
+        share = _number(text.removesuffix("%")) / 100
+        hint = f" (did you mean {share:g}?)" if 0 <= share <= 1 else ""
+        raise argparse.ArgumentTypeError(f"must be a fraction from 0 to 1, not '{text}'{hint}")
     return value
 
 
 def duration(text: str) -> float:
     """A time that is not negative."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _number(text)
     if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"must be a time of 0 or more, not '{text}'")
     return value
+
+
+def _number(text: str) -> float:
+    """A number, NaN where it is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 def path(text: str) -> Path:
@@ -181,13 +214,25 @@ def path(text: str) -> Path:
     return Path(text).expanduser() if text.startswith("~/") else Path(text)
 
 
-def one_of(kind: str, names: Sequence[str]) -> Callable[[str], str]:
-    """One of some names."""
+@dataclass(frozen=True)
+class OneOf:
+    """What takes one of some names.
 
-    def chosen(text: str) -> str:
+    Attributes:
+        kind: what they are names of.
+        names: all there are.
+    """
+
+    kind: str
+    names: Sequence[str]
+
+    def __call__(self, text: str) -> str:
         """The name, or what would have been right."""
-        if text not in names:
-            raise argparse.ArgumentTypeError(UnknownNameError(kind, text, names).reason)
+        if text not in self.names:
+            raise argparse.ArgumentTypeError(UnknownNameError(self.kind, text, self.names).reason)
         return text
 
-    return chosen
+
+def one_of(kind: str, names: Sequence[str]) -> OneOf:
+    """One of some names."""
+    return OneOf(kind, names)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from collections.abc import Callable, Iterator
@@ -9,12 +10,13 @@ from contextlib import AbstractContextManager, contextmanager
 from itertools import count
 from typing import TYPE_CHECKING
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
 from hotlap.api.rates import Pace as FlightPace
 from hotlap.api.rates import Rate
 from hotlap.api.wording import percent
+from hotlap.cli.log import LOG
 from hotlap.cli.output import Plain, note, working
 from hotlap.core.success_rate import Validation
 
@@ -45,7 +47,9 @@ def follow(budget: int, flown: int, seconds: float = 0.0, spent: float = 0.0) ->
     state = TextColumn("{task.fields[state]}", markup=False)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), state, TimeLeft())
     with Progress(*columns, console=console, transient=True) as progress:
-        yield Bar(progress, budget, flown, seconds, spent)
+        bar = Bar(progress, budget, flown, seconds, spent)
+        logged = LOG.isEnabledFor(logging.INFO)
+        yield Both(bar, Lines(budget, flown, seconds=seconds, spent=spent, say=LOG.info)) if logged else bar
 
 
 @contextmanager
@@ -70,7 +74,7 @@ def follow_pieces(unit: str, wanted: int, done: int, *, even: bool = True) -> It
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), *pace_and_time, state)
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(unit, total=wanted, completed=done, state="")
-        yield lambda words: progress.update(task, advance=1, state=words)
+        yield lambda words: _advance(progress, task, words)
 
 
 @contextmanager
@@ -97,7 +101,7 @@ def follow_rounds(unit: str, most: int = 0) -> Iterator[Callable[[str, int, int]
         def go_on(_unit: str, wanted: int, done: int) -> Iterator[Callable[[str], None]]:
             """Count a round on the bar of all."""
             progress.update(task.id, total=max(most, task.completed + wanted), completed=task.completed + done)
-            yield lambda words: progress.update(task.id, advance=1, state=words)
+            yield lambda words: _advance(progress, task.id, words)
 
         yield go_on
 
@@ -171,12 +175,39 @@ class Bar:
         self._progress.update(self._task, state=f"{self._best}{count_of(self._pace.flown)}, {speed}", left=left)
 
 
+class Both:
+    """A bar for people, and lines for the log.
+
+    Args:
+        bar, lines: that hear of everything.
+    """
+
+    def __init__(self, bar: Bar, lines: Lines) -> None:
+        self._each = (bar, lines)
+
+    def __call__(self, batch: Batch) -> None:
+        """A batch has ended."""
+        for one in self._each:
+            one(batch)
+
+    def flown(self, ended: int) -> None:
+        """A flight has ended."""
+        for one in self._each:
+            one.flown(ended)
+
+
 class TimeLeft(TimeRemainingColumn):
     """How long it will take, by the speed of the bar where nothing better is known."""
 
     def render(self, task: Task) -> Text:
         """What is known."""
         return Text(task.fields["left"]) if task.fields["left"] else super().render(task)
+
+
+def _advance(progress: Progress, task: TaskID, words: str) -> None:
+    """Move a bar by one piece."""
+    LOG.debug("ended: %s", words)
+    progress.update(task, advance=1, state=words)
 
 
 class Pace(ProgressColumn):
@@ -234,12 +265,20 @@ class Lines:
         clock: [s]
         seconds: of wall time at most; 0: flights are counted, not time.
         spent: [s] of them so far.
+        say: what takes a line.
     """
 
     def __init__(
-        self, budget: int, flown: int, clock: Callable[[], float] = time.monotonic, seconds: float = 0.0, spent: float = 0.0
+        self,
+        budget: int,
+        flown: int,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        seconds: float = 0.0,
+        spent: float = 0.0,
+        say: Callable[[str], None] = note,
     ) -> None:
-        self._budget, self._clock, self._seconds = budget, clock, seconds
+        self._budget, self._clock, self._seconds, self._say = budget, clock, seconds, say
         self._rate, self._last = Rate(flown, clock), clock()
         self._begun, self._pace, self._reached_flights, self._best = self._last - spent, FlightPace(clock), flown, ""
 
@@ -249,17 +288,19 @@ class Lines:
         if self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
             left = 0 if self._seconds else self._budget - self._reached_flights
-            note(f"{self._reached(self._reached_flights)}{self._best}, {count_of(self._pace.flown)}, {self._pace.words(left, 'at most ')}")
+            self._say(
+                f"{self._reached(self._reached_flights)}{self._best}, {count_of(self._pace.flown)}, {self._pace.words(left, 'at most ')}"
+            )
 
     def __call__(self, batch: Batch) -> None:
         """Say how it stands, if it is time."""
         self._reached_flights, self._best = batch.flights, f", best so far: {describe(batch.best)}"
         for validation in batch.failed_validations:
-            note(describe_failure(validation))
+            self._say(describe_failure(validation))
         if batch.done or self._clock() - self._last >= INTERVAL:
             self._last = self._clock()
             speed = self._pace.words(0) if self._pace.flown else self._rate(batch.flights)
-            note(f"{self._reached(batch.flights)}{self._best}, {speed}")
+            self._say(f"{self._reached(batch.flights)}{self._best}, {speed}")
 
     def _reached(self, flights: int) -> str:
         """How far it is, of what there is."""

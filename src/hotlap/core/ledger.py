@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,11 @@ from numpy.typing import NDArray
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Floats, Scores
 from hotlap.core.seeds import Stream
+from hotlap.core.shown import Framed, Shown, by_column
 
 
-@dataclass(frozen=True)
-class Ledger:
+@dataclass(frozen=True, repr=False)
+class Ledger(Shown, Framed):
     """F flights, with the purpose of each.
 
     Attributes:
@@ -45,6 +47,23 @@ class Ledger:
     def __len__(self) -> int:
         """F, the number of flights."""
         return len(self.numbers)
+
+    def records(self) -> list[dict[str, Any]]:
+        """A row for each flight; its parameters are an array, shape (S, K)."""
+        return by_column(
+            {
+                "number": self.numbers,
+                "stream": [Stream(stream).name.lower() for stream in self.streams.tolist()],
+                "seed": self.seeds,
+                "completion": self.completion,
+                "cost": self.cost,
+                "lap_time": self.lap_time,
+                "mean_error": self.mean_error,
+                "max_error": self.max_error,
+                "accepted": self.accepted,
+                "parameters": list(self.parameters),
+            }
+        )
 
     def of(self, stream: Stream) -> Ledger:
         """The flights that were flown for one purpose."""

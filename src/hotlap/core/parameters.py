@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.shown import Shown
+
 Parameters = NDArray[np.float64]
 """Values for a batch: shape (batch B, segments S, parameters K), in the units of the space; K is what the controller declares."""
 
 
-@dataclass(frozen=True)
-class ParameterSpace:
+@dataclass(frozen=True, repr=False)
+class ParameterSpace(Shown):
     """Names, bounds and scale of a controller's parameters, the same for every segment.
 
     Attributes:

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from hotlap.core.shown import Framed, Shown, by_column
 
 Floats = NDArray[np.float64]
 
@@ -42,8 +45,8 @@ class Cause(IntEnum):
     LOST = 11
 
 
-@dataclass(frozen=True)
-class Log:
+@dataclass(frozen=True, repr=False)
+class Log(Shown, Framed):
     """The full record of one flight.
 
     Attributes:
@@ -61,9 +64,29 @@ class Log:
     commands: Floats
     estimates: Floats | None = None
 
+    @property
+    def table(self) -> Floats:
+        """All of it, shape (steps, columns), in the order of `columns_of`."""
+        estimates = np.full((len(self.times), 4), np.nan) if self.estimates is None else self.estimates
+        return np.column_stack([self.times, self.states, self.rotor_thrusts, self.commands, estimates])
 
-@dataclass(frozen=True)
-class Flights:
+    def records(self) -> list[dict[str, Any]]:
+        """A row for each step, in the columns of `hotlap fly --log`; NaN where a world logs no estimates."""
+        return by_column(dict(zip(columns_of(self.rotor_thrusts.shape[1]), self.table.T, strict=True)))
+
+
+def columns_of(rotors: int) -> tuple[str, ...]:
+    """The columns of the log of a flight with so many rotors."""
+    return (
+        *("t", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"),
+        *(f"u_{k + 1}" for k in range(rotors)),
+        *("command_thrust", "command_w_x", "command_w_y", "command_w_z"),
+        *("thrust_effectiveness", "disturbance_x", "disturbance_y", "disturbance_z"),
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class Flights(Shown, Framed):
     """What happened in B flights over M gates.
 
     Attributes:
@@ -114,9 +137,25 @@ class Flights:
         """B, the number of flights."""
         return len(self.seeds)
 
+    def records(self) -> list[dict[str, Any]]:
+        """A row for each flight: how it ended, where and when."""
+        return by_column(
+            {
+                "seed": self.seeds,
+                "end": [End(end).name.lower() for end in self.end.tolist()],
+                "cause": [Cause(cause).name.lower() if cause else None for cause in self.cause.tolist()],
+                "gates_passed": self.gates_passed,
+                "lap_time": self.lap_time,
+                "end_time": self.end_time,
+                **{f"end_{axis}": self.end_position[:, i] for i, axis in enumerate("xyz")},
+                "mean_error": self.mean_error,
+                "max_error": self.max_error,
+            }
+        )
 
-@dataclass(frozen=True)
-class Scores:
+
+@dataclass(frozen=True, repr=False)
+class Scores(Shown, Framed):
     """Costs, completion and errors of B flights.
 
     Attributes:
@@ -148,6 +187,11 @@ class Scores:
     def __len__(self) -> int:
         """B, the number of flights."""
         return len(self.cost)
+
+    def records(self) -> list[dict[str, Any]]:
+        """A row for each flight."""
+        names = ("cost", "completion", "failed_segment", "lap_time", "mean_error", "max_error", "dense")
+        return by_column({name: getattr(self, name) for name in names})
 
     def rows(self, rows: slice | NDArray[np.int64]) -> Scores:
         """The scores of some of the flights."""

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hotlap.core.shown import Shown
+
 FLIGHTS = 200
 RELIABILITY = 0.9  # least success rate of a reliable result; see docs/tuners.md, "How many re-flights make a controller hold"
 Z_95 = 1.959963984540054  # the normal quantile of a two-sided 95 % interval
 
 
-@dataclass(frozen=True)
-class Validation:
+@dataclass(frozen=True, repr=False)
+class Validation(Shown):
     """Successes among independent flights.
 
     Attributes:

@@ -49,7 +49,7 @@ def read_tuned(study: Study) -> ExportedParameters:
     """
     file = study.folder / PARAMETERS_FILE
     if not file.exists():
-        reason = f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap tune --out {study.folder} goes on with it"
+        reason = f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap.tune(RACE, out={str(study.folder)!r}) goes on with it"
         raise InputError(str(study.folder), "", reason)
     scenario, saved = study.configuration.scenario, load_parameters(file)
     return ExportedParameters(scenario, saved, parameters_for(scenario, saved, str(file)))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
+
+from hotlap.core.shown import Shown
 
 
 class Level(StrEnum):
@@ -14,8 +17,8 @@ class Level(StrEnum):
     WARNING = "warning"
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, repr=False)
+class Finding(Shown):
     """One line about a description.
 
     Attributes:
@@ -23,12 +26,15 @@ class Finding:
         value: the figure with its unit.
         remark: what it means, or "".
         level: how much it matters.
+        figures: the figures of `value` for programs, by names that end with their unit: `top_speed_m_per_s`; without one they are
+            shares or counts.
     """
 
     label: str
     value: str
     remark: str = ""
     level: Level = Level.FACT
+    figures: Mapping[str, float] = field(default_factory=dict)
 
 
 def note_if(condition: bool) -> Level:

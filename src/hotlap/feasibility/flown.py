@@ -35,10 +35,11 @@ def describe_flown(race: Race, reference: Reference, file: str = "") -> tuple[Fi
     """
     wanted = demands(race, reference)
     about = f"{wanted.length:.0f} m at up to {wanted.top_speed:.1f} m/s"
+    lap = {"lap_time_s": reference.lap_time, "length_m": wanted.length, "top_speed_m_per_s": wanted.top_speed}
     read = [Finding("reference", file, "flown in place of a plan; the settings of [planning] do not count")] if file else []
     return (
         *read,
-        Finding("lap", f"{reference.lap_time:.2f} s", about),
+        Finding("lap", f"{reference.lap_time:.2f} s", about, figures=lap),
         *_thrust(race, wanted, file),
         *(_beyond_weights(race, reference, wanted) if file else ()),
         _first_moment(race, wanted, file),
@@ -57,7 +58,7 @@ def _thrust(race: Race, wanted: Demands, file: str) -> list[Finding]:
     if wanted.exhausting and not file:
         late = "no tuner will help" if race.judge.rule is GateRule.CLOCK else "the drone will fall behind its clock"
         remark += f": {late}; lower planning.thrust_share or planning.v_max"
-    return [Finding("asks for", f"{share:.0%}", remark, warning_if(wanted.exhausting and not file))]
+    return [Finding("asks for", f"{share:.0%}", remark, warning_if(wanted.exhausting and not file), {"largest_thrust_share": share})]
 
 
 def _beyond_weights(race: Race, reference: Reference, wanted: Demands) -> list[Finding]:
@@ -74,7 +75,8 @@ def _first_moment(race: Race, wanted: Demands, file: str) -> Finding:
     if sudden:
         remark += f"; the drone turns {command_lag(race.vehicle) * 1e3:.0f} ms later"
         remark += "" if file or race.planning.dynamics is PlanDynamics.FULL else ', planning.dynamics = "full" plans with that'
-    return Finding("first moment", f"{wanted.first_share:.0%}, {rate:.1f} rad/s", remark, note_if(sudden))
+    figures = {"first_thrust_share": wanted.first_share, "first_rate_rad_per_s": rate}
+    return Finding("first moment", f"{wanted.first_share:.0%}, {rate:.1f} rad/s", remark, note_if(sudden), figures)
 
 
 def rooms(race: Race, reference: Reference) -> Floats:
@@ -114,11 +116,12 @@ def _least_room(race: Race, reference: Reference) -> list[Finding]:
     left = rooms(race, reference)
     worst = int(left.argmin())
     name = [point.name for point in race.track.route if point.counts][worst]
+    figures = {"room_m": float(left[worst])}
     if left[worst] <= 0:
         remark = f"outside of what counts at {name}: a flight without any error misses it"
-        return [Finding("room at the gates", f"{-left[worst]:.2f} m", remark, Level.WARNING)]
+        return [Finding("room at the gates", f"{-left[worst]:.2f} m", remark, Level.WARNING, figures)]
     remark = f"for the controller's errors, at {name}; more at the others" if len(left) > 1 else f"for the controller's errors, at {name}"
-    return [Finding("room at the gates", f"{left[worst]:.2f} m", remark, note_if(left[worst] < TIGHT))]
+    return [Finding("room at the gates", f"{left[worst]:.2f} m", remark, note_if(left[worst] < TIGHT), figures)]
 
 
 def _directions(race: Race, reference: Reference) -> list[Finding]:
@@ -138,7 +141,7 @@ def _directions(race: Race, reference: Reference) -> list[Finding]:
     ignored = race.judge.rule is not GateRule.OPENING
     counted = f'; the rule "{race.judge.rule}" counts it, "opening" would not' if ignored else ""
     return [
-        Finding(f"passed {how}", count(len(some), "gate"), f"{', '.join(some)}{counted}", Level.NOTE)
+        Finding(f"passed {how}", count(len(some), "gate"), f"{', '.join(some)}{counted}", Level.NOTE, {"gates": len(some)})
         for how, some in (("backwards", backwards), ("sideways", sideways))
         if some
     ]
@@ -149,7 +152,13 @@ def _touched(race: Race, reference: Reference) -> list[Finding]:
     times = np.arange(0.0, reference.duration, FINE)
     met = find_encounters(times, reference.position_at(times), race.track, race.vehicle.outer_radius, race.judge.distance)
     return [
-        Finding("touches", one.name, f"after {one.time:.2f} s, by {-one.distance:.2f} m: a flight without any error crashes", Level.WARNING)
+        Finding(
+            label="touches",
+            value=one.name,
+            remark=f"after {one.time:.2f} s, by {-one.distance:.2f} m: a flight without any error crashes",
+            level=Level.WARNING,
+            figures={"time_s": one.time, "overlap_m": -one.distance},
+        )
         for one in met
         if one.kind is not EncounterKind.FLOOR  # a reference may begin a little below it
     ]

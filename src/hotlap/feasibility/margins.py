@@ -18,10 +18,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.shown import Shown
 from hotlap.feasibility.demands import HELD, needed_vectors, running_mean
 from hotlap.feasibility.finding import Finding, note_if
 from hotlap.race.battery import MOST_LOST
@@ -41,8 +43,8 @@ HOVERING = 1.15  # thrust-to-weight below which a plan makes no sense
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Margin:
+@dataclass(frozen=True, repr=False)
+class Margin(Shown):
     """What is there over what a reference needs, where that is least.
 
     Attributes:
@@ -69,6 +71,16 @@ class Margin:
     reserve: float = math.inf
     shrink: float = 1.0
     limit: float | None = None
+
+    def dump(self) -> dict[str, Any]:
+        """As plain JSON, in the keys of `margin` of `hotlap tune --json`."""
+        names = ("thrust", "reserve", "available", "needed", "time", "place", "rates")
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def change(self) -> str:
+        """What is different, in words."""
+        return self.condition.name
 
     @property
     def thrust(self) -> float:
@@ -266,10 +278,11 @@ def describe_margins(race: Race, reference: Reference, found: Sequence[Margin], 
     for one in found:
         told = explain(race, reference, one, planned=planned).removeprefix(f"{one.figure} ")
         remark = told or f"of the thrust that is needed, {one.place}"
-        yield Finding(f"- {one.condition.name}" if one.condition.changes else "thrust left", one.figure, remark, note_if(not one.enough))
+        label, figures = f"- {one.condition.name}" if one.condition.changes else "thrust left", {"thrust_margin": one.thrust}
+        yield Finding(label, one.figure, remark, note_if(not one.enough), figures)
     rates, tight = found[0].rates, found[0].rates < ALL
     remark = f"of the body rates that are needed{'; raise controller.rates' * tight}"
-    yield Finding("rates left", f"{rates:.2f}", remark, note_if(tight))
+    yield Finding("rates left", f"{rates:.2f}", remark, note_if(tight), {"rates_margin": rates})
 
 
 def place_of(race: Race, reference: Reference, time: float) -> str:

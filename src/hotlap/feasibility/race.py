@@ -26,12 +26,12 @@ def describe_race(race: Race, top_speed: float | None = None, *, planned: bool =
         planned: whether a plan is flown; False: a reference is, which the settings of the planner do not concern.
     """
     speed = rough_top_speed(race) if top_speed is None else top_speed
-    vehicle = race.vehicle
+    vehicle, gates, ratio = race.vehicle, len(race.track.counted), race.vehicle.thrust_to_weight
     return (
-        Finding("track", race.track.name, count(len(race.track.counted), "gate")),
-        Finding("vehicle", vehicle.name, f"thrust-to-weight {vehicle.thrust_to_weight:.2f}"),
+        Finding("track", race.track.name, count(gates, "gate"), figures={"gates": gates}),
+        Finding("vehicle", vehicle.name, f"thrust-to-weight {ratio:.2f}", figures={"thrust_to_weight": ratio}),
         *(_plan(race, speed, about=top_speed is None) if planned else ()),
-        Finding("judged by", race.judge.rule, _rule(race)),
+        Finding("judged by", race.judge.rule, _rule(race), figures={"judge_distance_m": race.judge.distance}),
         *_crowded(race),
         *(_loose(race) if planned else ()),
         _knowledge(race),
@@ -91,7 +91,8 @@ def _plan(race: Race, speed: float, *, about: bool) -> list[Finding]:
     """What the planner may use."""
     planned = race.planning_model
     top = f"top speed {'about ' if about else ''}{speed:.0f} m/s"
-    plan = Finding("plan", planned.name, f"thrust-to-weight {planned.thrust_to_weight:.2f}, {top}")
+    figures = {"plan_thrust_to_weight": planned.thrust_to_weight, "plan_top_speed_m_per_s": speed}
+    plan = Finding("plan", planned.name, f"thrust-to-weight {planned.thrust_to_weight:.2f}, {top}", figures=figures)
     return [plan, _thrust(race), *_hover(race), *_drag(race)]
 
 
@@ -125,20 +126,21 @@ def _crowded(race: Race) -> list[Finding]:
         return []
     first, second = sorted((names[i], names[j]), key=lambda name: int(name.split()[1]))
     remark = f"from {first} to {second}, where {distance:g} m count: too near to be told apart; lower judge.distance, or give openings"
-    return [Finding("gates are close", f"{gap:.2f} m", remark, Level.WARNING)]
+    return [Finding("gates are close", f"{gap:.2f} m", remark, Level.WARNING, {"closest_gates_m": gap})]
 
 
 def _loose(race: Race) -> list[Finding]:
     """Whether the plan itself may miss what counts."""
-    reason = loose_judge(race)
-    return [Finding("judge.distance", f"{race.judge.distance:g} m", reason, Level.WARNING)] if reason else []
+    reason, distance = loose_judge(race), race.judge.distance
+    figures = {"judge_distance_m": distance, "plan_tolerance_m": race.planning.tolerance}
+    return [Finding("judge.distance", f"{distance:g} m", reason, Level.WARNING, figures)] if reason else []
 
 
 def _thrust(race: Race) -> Finding:
     share = thrust_share(race)
     late = "no tuner will help" if race.judge.rule is GateRule.CLOCK else "the drone will fall behind its clock"
     remark = f"of the vehicle's thrust: {late}" if share > SPENT else "of the vehicle's thrust; the rest is left to correct with"
-    return Finding("plan uses", f"{share:.0%}", remark, warning_if(share > SPENT))
+    return Finding("plan uses", f"{share:.0%}", remark, warning_if(share > SPENT), {"plan_thrust_share": share})
 
 
 def _hover(race: Race) -> list[Finding]:
@@ -146,7 +148,8 @@ def _hover(race: Race) -> list[Finding]:
     ratio = race.planning_model.thrust_to_weight
     if ratio > 1:
         return []
-    return [Finding("plan cannot hover", f"{ratio:.2f}", "thrust-to-weight that it may use; raise planning.thrust_share", Level.WARNING)]
+    remark = "thrust-to-weight that it may use; raise planning.thrust_share"
+    return [Finding("plan cannot hover", f"{ratio:.2f}", remark, Level.WARNING, {"plan_thrust_to_weight": ratio})]
 
 
 def _drag(race: Race) -> list[Finding]:
@@ -155,8 +158,9 @@ def _drag(race: Race) -> list[Finding]:
     if share is None:
         return []
     remark = "of the vehicle's thrust, along the longest leg at the plan's steady speed"
-    beyond = share > EXHAUSTED
-    return [Finding("steady flight takes", f"{share:.0%}", f"{remark}: beyond the vehicle" if beyond else remark, warning_if(beyond))]
+    beyond, figures = share > EXHAUSTED, {"steady_thrust_share": share}
+    remark = f"{remark}: beyond the vehicle" if beyond else remark
+    return [Finding("steady flight takes", f"{share:.0%}", remark, warning_if(beyond), figures)]
 
 
 def _knowledge(race: Race) -> Finding:
@@ -168,13 +172,14 @@ def _latency(race: Race, speed: float) -> Finding:
     latency = unknown_latency(race)
     further = race.prediction - race.vehicle.delay
     if abs(latency) < 1e-9 and further < 1e-9:
-        return Finding("unknown latency", "0 ms", "the controller knows its dead time")
+        return Finding("unknown latency", "0 ms", "the controller knows its dead time", figures={"unknown_latency_s": 0.0})
     if latency < 1e-9 and 0 < further <= command_lag(race.vehicle) + 1e-9:
         remark = f"the controller knows its dead time, and predicts {further * 1e3:.0f} ms further, over part of the lag"
-        return Finding("unknown latency", "0 ms", remark)
+        return Finding("unknown latency", "0 ms", remark, figures={"unknown_latency_s": 0.0})
     far = abs(latency) * speed
     remark = f"{far:.2f} m at top speed{_room(race)}: compensate first (model.delay), tune second"
-    return Finding("unknown latency", f"{latency * 1e3:g} ms", remark, Level.NOTE)
+    figures = {"unknown_latency_s": latency, "unknown_distance_m": far}
+    return Finding("unknown latency", f"{latency * 1e3:g} ms", remark, Level.NOTE, figures)
 
 
 def _room(race: Race) -> str:
@@ -190,7 +195,7 @@ def _mass(race: Race) -> list[Finding]:
     if abs(missing) < SAME_MASS:
         return []
     remark = f"{'heavier' if missing > 0 else 'lighter'} than the control model: a lasting error; weigh it, set model.mass, tune then"
-    return [Finding("unknown mass", f"{abs(missing):.1%}", remark, Level.NOTE)]
+    return [Finding("unknown mass", f"{abs(missing):.1%}", remark, Level.NOTE, {"unknown_mass": missing})]
 
 
 def _limits(race: Race) -> list[Finding]:
@@ -199,14 +204,16 @@ def _limits(race: Race) -> list[Finding]:
     wanted, allowed = race.planning_model.max_acceleration, race.controller.thrust[1]
     if wanted > allowed:
         remark = f"the plan uses {wanted:.1f}; raise controller.thrust"
-        findings.append(Finding("thrust limit binds", f"{allowed:g} m/s^2", remark, Level.WARNING))
+        figures = {"thrust_limit_m_per_s2": allowed, "plan_thrust_m_per_s2": wanted}
+        findings.append(Finding("thrust limit binds", f"{allowed:g} m/s^2", remark, Level.WARNING, figures))
     free = race.planning.dynamics is PlanDynamics.IDEAL  # else plans keep within controller.rates
     for axis, rate, limit in zip(("roll", "pitch", "yaw"), race.planning_model.rate_limit, race.controller.rates, strict=True):
         if free and rate > limit:
             remark = f"the plan uses up to {rate:g}; raise controller.rates"
-            findings.append(Finding(f"{axis} rate limit binds", f"{limit:g} rad/s", remark, Level.WARNING))
+            figures = {f"{axis}_rate_limit_rad_per_s": limit, f"plan_{axis}_rate_rad_per_s": rate}
+            findings.append(Finding(f"{axis} rate limit binds", f"{limit:g} rad/s", remark, Level.WARNING, figures))
     asked = race.thrust_share * race.control_model.max_acceleration
     if race.planning.quadrotor is None and wanted < 0.999 * asked:
         remark = f"planning.thrust_share asks for {asked:.1f}, controller.thrust allows less"
-        findings.append(Finding("thrust limit caps the plan", f"{wanted:.1f} m/s^2", remark))
+        findings.append(Finding("thrust limit caps the plan", f"{wanted:.1f} m/s^2", remark, figures={"plan_thrust_m_per_s2": wanted}))
     return findings or [Finding("controller limits", "wide enough", "for the plan")]

@@ -28,8 +28,13 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
     straight = "in straight lines; gates are in metres" if vast else "in straight lines"
     end = "and an end beyond the last one" if track.end is not None else "the last one is the end"
     findings = [
-        Finding("gates", str(len(track.counted)), end if track.laps == 1 else f"in {track.laps} laps, {end}"),
-        Finding("length", f"{lengths.sum():.0f} m", straight, note_if(vast)),
+        Finding(
+            label="gates",
+            value=str(len(track.counted)),
+            remark=end if track.laps == 1 else f"in {track.laps} laps, {end}",
+            figures={"gates": len(track.counted), "laps": track.laps},
+        ),
+        Finding("length", f"{lengths.sum():.0f} m", straight, note_if(vast), {"length_m": float(lengths.sum())}),
         _heights(track, points[:, 2]),
         _closest(lengths, names),
     ]
@@ -37,7 +42,8 @@ def describe_track(track: Track) -> tuple[Finding, ...]:
         cosines = (legs[1:] * legs[:-1]).sum(axis=1) / (lengths[1:] * lengths[:-1])
         sharp = int(cosines.argmin())
         angle = math.degrees(math.acos(float(np.clip(cosines[sharp], -1, 1))))
-        findings.append(Finding("sharpest turn", f"{angle:.0f} deg", f"at {names[sharp + 1]}"))
+        figures = {"sharpest_turn_rad": math.radians(angle)}
+        findings.append(Finding("sharpest turn", f"{angle:.0f} deg", f"at {names[sharp + 1]}", figures=figures))
     return (*findings, *_buried(track))
 
 
@@ -57,7 +63,8 @@ def _heights(track: Track, heights: NDArray[np.float64]) -> Finding:
     remark = "" if track.floor is None else f"floor at {track.floor:g} m"
     if buried:
         remark = "none above 0: z is up here; in NED files it is down (x, y, z there is x, -y, -z here)"
-    return Finding("height", f"{heights.min():.1f} to {heights.max():.1f} m", remark, note_if(buried))
+    figures = {"lowest_m": float(heights.min()), "highest_m": float(heights.max())}
+    return Finding("height", f"{heights.min():.1f} to {heights.max():.1f} m", remark, note_if(buried), figures)
 
 
 def _closest(lengths: NDArray[np.float64], names: list[str]) -> Finding:
@@ -66,4 +73,5 @@ def _closest(lengths: NDArray[np.float64], names: list[str]) -> Finding:
     length, remark = float(lengths[near]), f"{names[near]} and {names[near + 1]}"
     if length < NEAR:
         remark += "; coordinates are in metres, not in degrees"
-    return Finding("closest points", f"{length:.2f} m" if length >= NEAR else f"{length:.1g} m", remark, note_if(length < 1))
+    value = f"{length:.2f} m" if length >= NEAR else f"{length:.1g} m"
+    return Finding("closest points", value, remark, note_if(length < 1), {"closest_points_m": length})

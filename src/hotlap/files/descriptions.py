@@ -7,7 +7,9 @@ by a table. Whatever is referred to is read and checked by itself first.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files as package_files
 from importlib.resources.abc import Traversable
@@ -21,8 +23,8 @@ from hotlap.files.documented_keys import table_of
 from hotlap.files.error_messages import check, show
 from hotlap.files.kinds import Kind
 from hotlap.files.parameters_file import SavedParameters
-from hotlap.files.recognition import TYPES, kind_by_keys, refuse_other_kind, strangers
-from hotlap.files.toml_reader import read
+from hotlap.files.recognition import TYPES, kind_by_keys, refuse_description, refuse_other_kind, refuse_parameters, strangers
+from hotlap.files.toml_reader import ELSEWHERE, read
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.schema import Described
@@ -139,7 +141,9 @@ def load_parameters(path: str | Path) -> SavedParameters:
         raise InputError(str(path), "", f"cannot be read: {cause_of(error)}") from None
     if not present:
         raise InputError(str(path), "", "there is no such file")
-    return SavedParameters.from_table(read(path, str(path)), str(path))
+    table = read(path, str(path))
+    refuse_description(table, str(path))
+    return SavedParameters.from_table(table, str(path))
 
 
 def save_parameters(path: str | Path, parameters: SavedParameters) -> None:
@@ -199,16 +203,28 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
         found = next((path for path in candidates if path.exists()), None)
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(place.label, key, f"{show(reference)} is no usable path: {cause_of(error)}") from None
-    looks_like_path = "/" in reference or "\\" in reference or reference.endswith(".toml")
-    if found is not None and (looks_like_path or found.is_file()):
+    looks_like_path = "/" in reference or "\\" in reference or reference.lower().endswith((".toml", *ELSEWHERE))
+    has_ending = any(path.with_name(path.name + ".toml").is_file() for path in candidates if path.name)
+    if found is not None and (looks_like_path or found.is_file() or not has_ending):
         return found
     if not looks_like_path:
-        if any(path.with_name(path.name + ".toml").is_file() for path in candidates if path.name):
+        if has_ending:
             raise InputError(place.label, key, f"there is no {kind} named '{reference}'; the file is {reference}.toml")
         raise UnknownNameError(kind, reference, known, place.label, key)
+    hint = _meant(candidates[0], known)
     if place.label:
-        raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}")
-    raise InputError(reference, "", "there is no such file")
+        raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}{hint}")
+    raise InputError(reference, "", f"there is no such file{hint}")
+
+
+def _meant(path: Path, known: Any) -> str:
+    """What was probably meant by the path of a file that is not there; "" where nothing is near."""
+    if path.stem in known and path.parent == Path():
+        return f" ({path.stem} is built in: leave the ending away)"
+    with suppress(OSError):
+        near = get_close_matches(path.stem, [one.stem for one in path.parent.iterdir() if one.suffix == path.suffix], n=1)
+        return f" (did you mean {path.with_name(near[0] + path.suffix)}?)" if near else ""
+    return ""
 
 
 def _refer(kind: Kind, value: Any, place: _Place, key: str, inherited: Described | None = None) -> Described:
@@ -281,6 +297,7 @@ def _overlay(parent: Described | None, table: dict[str, Any], dropped: frozenset
 
 def _kind_of(table: dict[str, Any], place: _Place) -> Kind:
     """What a table describes, by the keys that only one kind has, or else by what it builds on."""
+    refuse_parameters(table, place.label)
     told = kind_by_keys(table)
     if told is not None:
         return told

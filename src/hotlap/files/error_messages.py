@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
@@ -11,14 +12,16 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from hotlap.core.errors import InputError
-from hotlap.files.documented_keys import documented_keys, table_of
+from hotlap.files.documented_keys import Key, documented_keys, table_of
 from hotlap.files.toml_writer import write_value
+from hotlap.files.unit_hints import UNITS, in_unit, refuse_degrees
 from hotlap.race.schema import Described
 
 Location = tuple[int | str, ...]
 
 D = TypeVar("D", bound=Described)
 
+UNIT_NAMES = tuple(name for name, _ in UNITS.values())
 _KEYED = re.compile(r"(?P<key>[A-Za-z_]\w*(?:\[\d+\])?(?:\.\w+)*): (?P<reason>.*)", re.DOTALL)
 
 _REASONS: dict[str, Callable[[dict[str, Any]], str]] = {
@@ -52,16 +55,24 @@ def check(description: type[D], table: Mapping[str, Any], source: str, prefix: s
         InputError: the first fault of the table, with its key, and how many more there are.
     """
     try:  # as JSON: strict about types, yet lists may stand for tuples and names for enumerations
-        return description.model_validate_json(json.dumps(table, default=_encode), strict=True)
+        checked = description.model_validate_json(json.dumps(table, default=_encode), strict=True)
     except ValidationError as error:
         raise _refuse(error, description, source, prefix) from None
+    refuse_degrees(checked, source, prefix)
+    return checked
 
 
-def unknown_key(name: str, available: Sequence[str]) -> str:
-    """The message for an unknown key, with the nearest known one."""
+def unknown_key(name: str, available: Sequence[str], hint: str = "") -> str:
+    """The message for an unknown key, with the nearest known one, or another hint in its place."""
     near = get_close_matches(name, available, n=1)
-    hint = f" (did you mean {near[0]}?)" if near else ""
+    hint = hint or (f" (did you mean {near[0]}?)" if near else "")
     return f"there is no such key{hint}; available: {', '.join(available)}"
+
+
+def homes_of(description: type[Described], name: str) -> str:
+    """The tables within a description that have a key, "vehicle or model"; "" where none has it."""
+    tables = ((key.name, key.table) for key in documented_keys(description))
+    return " or ".join(home for home, table in tables if table is not None and name in table.model_fields)
 
 
 def show(value: Any) -> str:
@@ -106,7 +117,9 @@ def _word(fault: dict[str, Any], locations: list[Location], description: type[De
     if kind == "extra_forbidden":
         owner = _owner(description, location)
         available = [key.name for key in documented_keys(owner)] + ["base"] * ("name" in owner.model_fields)
-        return _write_location(location), unknown_key(str(location[-1]), available)
+        homes = homes_of(description, str(location[-1])) if len(location) == 1 else ""
+        hint = f" (it belongs into {homes})" if homes else ""
+        return _write_location(location), unknown_key(str(location[-1]), available, hint)
     if kind == "missing":
         return _missing(location, value, locations, description)
     if kind == "too_short":
@@ -117,10 +130,13 @@ def _word(fault: dict[str, Any], locations: list[Location], description: type[De
     if kind == "tuple_type":
         return _write_location(location), f"must be a list in brackets, not {show(value)}{_meaning_of(description, location)}"
     if kind == "value_error":
-        return _keyed(location, str(context["error"]))
+        key, reason = _keyed(location, str(context["error"]))
+        meant = _in_its_unit(description, location, value)[1] if reason.endswith(UNIT_NAMES) else ""
+        return key, f"{reason} (did you mean {meant}?)" if meant else reason
     worded = _REASONS.get(kind)
     reason = worded(context) if worded else fault["msg"][:1].lower() + fault["msg"][1:]
-    return _write_location(location), f"{reason}, not {show(value)}"
+    name, meant = _in_its_unit(description, location, value, most) if (most := context.get("le", context.get("lt"))) else ("", "")
+    return _write_location(location), f"{reason}, not {show(value)}{f' ({name}: {meant}?)' if meant else ''}"
 
 
 def _missing(location: Location, value: Any, locations: list[Location], description: type[Described]) -> tuple[str, str]:
@@ -133,10 +149,21 @@ def _missing(location: Location, value: Any, locations: list[Location], descript
 
 def _meaning_of(description: type[Described], location: Location) -> str:
     """What the values of a key mean, with their unit: to be written behind a reason."""
-    names = [part for part in location if isinstance(part, str)]
-    key = next((key for key in documented_keys(_owner(description, (*names,))) if names and key.name == names[-1]), None)
+    key = _key_of(description, location)
     meaning = "" if key is None else " ".join(part for part in (f"[{key.unit}]" if key.unit else "", key.meaning) if part)
     return f": {meaning}" if meaning else ""
+
+
+def _in_its_unit(description: type[Described], location: Location, value: Any, most: float = math.inf) -> tuple[str, str]:
+    """The unit of a key, and a value in it that was probably given in another one, of at most so much; as `in_unit`."""
+    key = _key_of(description, location)
+    return ("", "") if key is None else in_unit(key.unit, value, lambda number: 0 <= number <= most)
+
+
+def _key_of(description: type[Described], location: Location) -> Key | None:
+    """What is documented of the key at a location."""
+    names = [part for part in location if isinstance(part, str)]
+    return next((key for key in documented_keys(_owner(description, (*names,))) if names and key.name == names[-1]), None)
 
 
 def _keyed(location: Location, message: str) -> tuple[str, str]:

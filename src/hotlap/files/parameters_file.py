@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from hotlap.core.errors import InputError
+from hotlap.core.shown import Shown
 from hotlap.files.error_messages import check, show, unknown_key
 from hotlap.race.schema import Described
 from hotlap.reference.segmentation import Piece, SegmentClass, Segments
@@ -22,8 +23,8 @@ CHOSEN_SHARE = "thrust_share"  # in the provenance: of the thrust, in a plan tha
 LARGEST = 1e300  # beyond this a number is a slip of the pen
 
 
-@dataclass(frozen=True)
-class SavedParameters:
+@dataclass(frozen=True, repr=False)
+class SavedParameters(Shown):
     """Parameters of one controller for every segment of one race.
 
     Attributes:

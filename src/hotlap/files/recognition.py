@@ -13,6 +13,7 @@ from hotlap.race.race import Race
 from hotlap.race.schema import Described
 from hotlap.race.track import Track
 
+PARAMETERS = {"names", "segment"}  # keys of a file of tuned parameters
 TYPES: Mapping[Kind, type[Described]] = {Kind.RACE: Race, Kind.TRACK: Track, Kind.QUADROTOR: Quadrotor}
 
 
@@ -29,10 +30,32 @@ def refuse_other_kind(kind: Kind, table: dict[str, Any], label: str) -> None:
     Raises:
         InputError: naming the kind that it describes.
     """
+    refuse_parameters(table, label)
     other = kind_by_keys(table)
     if other is not None and not _own_keys(table)[kind]:
         hint = "; a race names its track and its vehicle: hotlap new race NAME" if kind is Kind.RACE else ""
         raise InputError(label, "", f"describes a {other}, not a {kind}{hint}")
+
+
+def refuse_parameters(table: dict[str, Any], label: str) -> None:
+    """Refuse a file of tuned parameters, where a description is read.
+
+    Raises:
+        InputError: saying what takes it.
+    """
+    if set(table) >= PARAMETERS:
+        raise InputError(label, "", "holds tuned parameters: give the race that they are for, and this file with --parameters")
+
+
+def refuse_description(table: dict[str, Any], label: str) -> None:
+    """Refuse a file that describes something, where tuned parameters are read.
+
+    Raises:
+        InputError: naming what it describes.
+    """
+    kind = kind_by_keys(table)
+    if kind is not None and not PARAMETERS & set(table):
+        raise InputError(label, "", f"describes a {kind}, and holds no parameters: those are in the folder of a study")
 
 
 def strangers(table: dict[str, Any]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hotlap.core.printable import printable
+from hotlap.core.shown import Shown
 from hotlap.files.error_messages import check
 from hotlap.files.kinds import Kind
 from hotlap.files.recognition import TYPES
@@ -19,8 +20,8 @@ WIDTH = 140
 DIGITS = 12  # of a number that is written: 0.4 / 2 + 1.0 is 1.2
 
 
-@dataclass(frozen=True)
-class Imported:
+@dataclass(frozen=True, repr=False)
+class Imported(Shown):
     """A track or a quadrotor, as it was found in a file of another program.
 
     Attributes:

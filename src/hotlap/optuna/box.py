@@ -94,5 +94,8 @@ class Box:
 
     def decode(self, parameters: Floats) -> dict[str, float | int]:
         """The values at parameters of shape (1, K)."""
-        shares = np.log(parameters[0]) / WIDTH
+        return self.of_shares(np.log(parameters[0]) / WIDTH)
+
+    def of_shares(self, shares: Floats) -> dict[str, float | int]:
+        """The values at shares of the ranges, shape (K,)."""
         return {axis.name: axis.decode(share) for axis, share in zip(self.axes, shares.tolist(), strict=True)}

@@ -23,8 +23,10 @@ from hotlap.optuna.box import Box
 from hotlap.optuna.run import KEY, Note, Origin, TunerRun, cost_of
 
 DEFAULT = "guided_walk"  # a function has no gates
+PRESETS = {"random_search": "log_uniform"}  # where the default of a tuner has steps in the units of a controller's weights
 SEED = "hotlap:seed"  # attribute of a study that holds its seed
 POINT = "hotlap:point"  # attribute of a trial that holds the point that it tries
+BLOCK = 20  # trials elsewhere of which one lies in each twentieth of every range
 TRIES, WAIT = 50, 0.01  # attempts to reserve a point that no other process tries, and longest wait [s] after the first
 
 
@@ -33,7 +35,8 @@ class HotlapSampler(BaseSampler):
 
     The first trials are drawn at random; the tuner then begins at the best of them (give your own with `study.enqueue_trial`). Parameters
     that are not numbers, or not in every trial, are always drawn at random. A trial that fails or is pruned counts as worse than any
-    other.
+    other. Every tenth trial looks elsewhere, whatever the tuner: twenty of them lie in all twentieths of every range. Where one of them is
+    clearly better than all that the tuner has tried, the tuner begins anew there.
 
     The whole state is in the study's storage: another process continues as this one would have, and several may work at once.
     With trials in parallel, guided_walk and gate_gp learn from all of them, and assume the median cost for those that have not ended. The
@@ -41,14 +44,16 @@ class HotlapSampler(BaseSampler):
     when all of these are being tried, further trials belong to another run of the tuner, which begins at the best trial of that time.
 
     Args:
-        tuner: NAME or NAME:PRESET, as of `hotlap tune --tuner`.
+        tuner: NAME or NAME:PRESET, as of `hotlap tune --tuner`; random_search alone is random_search:log_uniform, uniform over the ranges.
         seed: seed of all random numbers; None: that of the study, or a new one that is kept in the study.
         startup: complete trials before the tuner begins, at least 1.
         batch: largest number of points that a tuner is asked for at once; guided_walk and gate_gp give one.
+        elsewhere: every so-manieth trial is drawn anywhere within the ranges; 0: none is.
         independent_sampler: sampler of the other parameters; None: at random.
 
     Raises:
         UnknownNameError: there is no such tuner.
+        InputError: a tuner of your own that breaks the protocol; a number that has no meaning.
     """
 
     def __init__(
@@ -58,13 +63,17 @@ class HotlapSampler(BaseSampler):
         seed: int | None = None,
         startup: int = 5,
         batch: int = 8,
+        elsewhere: int = 10,
         independent_sampler: BaseSampler | None = None,
     ) -> None:
         if startup < 1 or batch < 1:
             raise ValueError(f"startup and batch must be at least 1, not {startup} and {batch}")
-        built = tuners.build(tuner)
+        if elsewhere < 0 or elsewhere == 1:
+            raise ValueError(f"elsewhere must be 0, or 2 and more, not {elsewhere}")
+        built = tuners.build(f"{tuner}:{PRESETS[tuner]}" if tuner in PRESETS else tuner)
         self._tuner, self._learns_from_any = built.name, bool(getattr(built, "learns_from_any", False))
         self._seed, self._startup, self._batch, self._independent = seed, startup, batch, independent_sampler
+        self._elsewhere = elsewhere
         self._runs: dict[tuple[int, Origin], TunerRun] = {}
         self._lock = threading.Lock()
 
@@ -100,6 +109,8 @@ class HotlapSampler(BaseSampler):
             if not finite:
                 return {}
             costs = {number: min(finite) if cost == -math.inf else cost for number, cost in costs.items()}
+            if self._elsewhere and (trial.number + 1) % self._elsewhere == 0:
+                return box.of_shares(anywhere((trial.number + 1) // self._elsewhere - 1, len(box.axes), self._seed_of(study)))
             return self._from_all(study, trial, box, costs) if self._learns_from_any else self._from_runs(study, trial, box, costs)
 
     def sample_independent(self, study: Study, trial: FrozenTrial, param_name: str, param_distribution: BaseDistribution) -> Any:
@@ -164,13 +175,23 @@ class HotlapSampler(BaseSampler):
             last = max(last, note.origin.run)
             if (note.origin.tuner, note.origin.space) == (self._tuner, box.fingerprint):
                 tried.setdefault(note.origin, {}).setdefault((note.ask, note.place), (each, cost_of(each, sign)))
+        best_elsewhere = min(self._found_elsewhere(trials, costs), default=math.inf)
         for origin, mine in tried.items():
+            if best_elsewhere < min([origin.best, *(cost for _, cost in mine.values())]) - origin.spread:
+                continue
             found = self._run(study, origin, box, trials).next(mine)
             if found is not None:
                 return found
         found = self._run(study, self._begin(study, last + 1, box, costs), box, trials).next({})
         assert found is not None, "a new run has something to try"  # noqa: S101  our own mistake
         return found
+
+    def _found_elsewhere(self, trials: Sequence[FrozenTrial], costs: dict[int, float]) -> list[float]:
+        """Costs of the trials that looked elsewhere."""
+        if not self._elsewhere:
+            return []
+        numbers = range(self._elsewhere - 1, len(trials), self._elsewhere)
+        return [costs[number] for number in numbers if number in costs and Note.of(trials[number]) is None]
 
     def _run(self, study: Study, origin: Origin, box: Box, trials: Sequence[FrozenTrial]) -> TunerRun:
         """A run, as far as this process has rebuilt it."""
@@ -199,6 +220,23 @@ class HotlapSampler(BaseSampler):
 
 def _sign(study: Study) -> float:
     return -1.0 if study.direction == StudyDirection.MAXIMIZE else 1.0
+
+
+def anywhere(index: int, size: int, seed: int) -> np.ndarray:
+    """A point that depends on the seed alone; of `BLOCK` in a row, from a multiple of it, one lies in each stratum of every axis.
+
+    Args:
+        index: from 0.
+        size: number of axes.
+        seed: of the study.
+
+    Returns:
+        Shares of the ranges, shape (size,), 0 to 1.
+    """
+    block, place = divmod(index, BLOCK)
+    rng = np.random.default_rng([seed, block])
+    strata = np.array([rng.permutation(BLOCK) for _ in range(size)])
+    return ((strata + rng.random((size, BLOCK))) / BLOCK)[:, place]
 
 
 def _small(entropy: Sequence[int] | None) -> int:

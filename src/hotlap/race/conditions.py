@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
+from hotlap.core.shown import Shown
 from hotlap.race.battery import MOST_LOST
 from hotlap.race.quadrotor import MOST_DELAY
 from hotlap.race.race import NoiseSettings, Race
@@ -125,8 +126,8 @@ class Change:
         return noise
 
 
-@dataclass(frozen=True)
-class Condition:
+@dataclass(frozen=True, repr=False)
+class Condition(Shown):
     """What is different from the race as it is described; nothing, where there are no changes.
 
     Attributes:

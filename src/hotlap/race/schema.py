@@ -9,6 +9,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from hotlap.core.shown import Shown
+
 Vector3 = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -19,7 +21,7 @@ Size = Annotated[float, Field(gt=0, le=LARGEST)]
 Thickness = Annotated[float, Field(ge=0, le=LARGEST)]
 
 
-class Described(BaseModel):
+class Described(Shown, BaseModel):
     """A frozen description with checked keys; NaN and infinity are refused.
 
     The docstring below a key is its documentation: the unit in brackets, then its meaning. Tables, templates and error messages show it.

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.shown import Framed, Shown, by_column
+
+AXES, QUATERNION = "xyz", "wxyz"
 PERIOD = 0.01  # s between the rows of references that are planned, or read from files
 
 
@@ -15,8 +19,8 @@ def row_times(duration: float) -> NDArray[np.float64]:
     return np.arange(int(np.floor(duration / PERIOD + 1e-9)) + 1, dtype=np.float64) * PERIOD
 
 
-@dataclass(frozen=True)
-class Reference:
+@dataclass(frozen=True, repr=False)
+class Reference(Shown, Framed):
     """States and inputs in rows of equal time, from rest at the start to beyond the end.
 
     Rows from `duration` on are the run-out: smooth, never judged.
@@ -44,6 +48,18 @@ class Reference:
     duration: float
     cpu_time: float = 0.0
     period: float = PERIOD
+
+    def records(self) -> list[dict[str, Any]]:
+        """The rows up to its end: time [s], position [m], attitude, velocity [m/s], thrust [m/s^2], rates [rad/s]."""
+        columns = {
+            "t": self.times,
+            **{f"p_{axis}": self.position[:, i] for i, axis in enumerate(AXES)},
+            **{f"q_{part}": self.attitude[:, i] for i, part in enumerate(QUATERNION)},
+            **{f"v_{axis}": self.velocity[:, i] for i, axis in enumerate(AXES)},
+            "thrust": self.thrust,
+            **{f"w_{axis}": self.rates[:, i] for i, axis in enumerate(AXES)},
+        }
+        return by_column({name: values[: self.planned_rows] for name, values in columns.items()})
 
     @property
     def lap_time(self) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.parameters import ParameterSpace
+from hotlap.core.shown import Shown
 from hotlap.race.controllers import space_of
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
@@ -17,8 +18,8 @@ LEAST_MARGIN = 1.0  # of thrust, from which on offset-free control was not worse
 COMMANDED = 0.95  # share of the rotors' thrust that it commands at most: all of it would leave no torque
 
 
-@dataclass(frozen=True)
-class Scenario:
+@dataclass(frozen=True, repr=False)
+class Scenario(Shown):
     """Everything that a flight needs but parameters and seed: what a world flies.
 
     Attributes:

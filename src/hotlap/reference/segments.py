@@ -8,6 +8,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.shown import Shown
+
 
 class SegmentClass(StrEnum):
     """What a part of a reference does (Sec. IV-C of the paper)."""
@@ -34,8 +36,8 @@ class Piece:
     end: float
 
 
-@dataclass(frozen=True)
-class Segments:
+@dataclass(frozen=True, repr=False)
+class Segments(Shown):
     """S segments of a reference, each of one or more of its P consecutive pieces; each segment has parameters of its own.
 
     Attributes:

@@ -121,6 +121,8 @@ def _text(path: Path) -> str:
             raise InputError(source, "", "there is no such file")
         if not path.is_file():
             raise InputError(source, "", "is a folder, not a file" if path.is_dir() else "is not a file of text")
+        if path.suffix.lower() == ".toml":
+            raise InputError(source, "", "is TOML, and no reference: that is a table of numbers, CSV")
         if path.stat().st_size > MAX_BYTES:
             raise InputError(source, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is no reference")
         return path.read_text(encoding="utf-8-sig")

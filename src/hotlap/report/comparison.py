@@ -11,17 +11,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
-from numpy.typing import NDArray
 
 from hotlap.analysis.comparison import Run
-from hotlap.analysis.comparison_table import completion_band, profiles
+from hotlap.analysis.comparison_table import profiles
+from hotlap.report.comparison_curves import Curves, curves_of
+from hotlap.report.comparison_looks import DASHES, LIGHT, looks_of
 from hotlap.report.pictures import save
-from hotlap.report.style import NORMAL, SMALL, headline, headline_width, place_axes, styled
+from hotlap.report.style import LINE, NORMAL, SMALL, headline, headline_width, place_axes, styled
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#222222")  # Okabe and Ito
-DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
 WIDTH, HEIGHT, GAP = 2.5, 1.5, 0.5  # inches of a chart, and between charts
 LEFT, TOP, BOTTOM, KEY_LINE = 0.62, 0.75, 0.5, 0.18
+BOTTOM_OF_AXIS, TOP_OF_AXIS = -7, 109  # per cent, with room for lines side by side
+AXIS = 0.12  # inches for the name of an axis
+APART = LINE + 0.2  # points between lines that coincide
 ACROSS = 4  # charts in a row
 BAND_UP_TO = 6  # tuners; bands of more would hide each other
 TITLE = "Tuners on equal terms"
@@ -52,16 +54,19 @@ def curves(runs: Sequence[Run]) -> Figure:
     down = math.ceil(len(races) / across)
     key_height = KEY_LINE * (math.ceil(len(looks) / across) + 1)
     seeds = len({run.seed for run in runs})
-    detail = f"best candidate so far over flights, median of {seeds} seeds{' and quartiles' if len(looks) <= BAND_UP_TO else ''}"
+    medians = f"median of {seeds} seeds{' and quartiles' if len(looks) <= BAND_UP_TO else ''}"
+    detail = f"best candidate so far over flights, {medians}; lines that coincide lie side by side"
     width = max(LEFT + across * (WIDTH + GAP), LEFT + headline_width(TITLE, detail, ()) + 0.1)
-    figure = Figure(figsize=(width, TOP + down * (HEIGHT + GAP) + key_height))
+    figure = Figure(figsize=(width, TOP + down * (HEIGHT + GAP) + AXIS + key_height))
     height = float(figure.get_size_inches()[1])
     for k, race in enumerate(races):
         column, row = k % across, k // across
         axes = place_axes(figure, LEFT + column * (WIDTH + GAP), height - TOP - (row + 1) * HEIGHT - row * GAP, WIDTH, HEIGHT)
-        _draw_race(axes, race, [run for run in runs if run.race == race], looks)
+        _draw_race(axes, curves_of(race, runs), looks)
         if column == 0:
             axes.set_ylabel("completion [%]")
+        if k + across >= len(races):
+            axes.set_xlabel("flights, re-flights included")
     headline(figure, LEFT, TITLE, detail)
     _draw_key(figure, looks, across)
     return figure
@@ -88,30 +93,23 @@ def profile(runs: Sequence[Run]) -> Figure:
     return figure
 
 
-def _draw_race(axes: Axes, race: str, runs: Sequence[Run], looks: Mapping[str, Mapping[str, Any]]) -> None:
+def _draw_race(axes: Axes, curves: Curves, looks: Mapping[str, Mapping[str, Any]]) -> None:
     """Completion over flights of all tuners on one race."""
     axes.grid(visible=True)
-    longest = max(run.budget for run in runs)
-    for tuner, look in looks.items():
-        mine = [run for run in runs if run.tuner == tuner]
-        if not mine:
-            continue
-        flights = _places(max(run.budget for run in mine))
-        low, middle, high = (100 * values for values in completion_band(mine, flights))
-        axes.step(flights, middle, where="post", **look)
+    longest = int(curves.flights[-1])
+    percent_a_point = (TOP_OF_AXIS - BOTTOM_OF_AXIS) / (72 * HEIGHT)
+    for i, tuner in enumerate(curves.tuners):
+        moved = 100 * curves.middle[i] + curves.shifts[i] * APART * percent_a_point
+        axes.step(curves.flights, moved, where="post", **looks[tuner])
         if len(looks) <= BAND_UP_TO:
-            axes.fill_between(flights, low, high, step="post", color=look["color"], alpha=0.15, linewidth=0)
+            low, high = 100 * curves.low[i], 100 * curves.high[i]
+            axes.fill_between(curves.flights, low, high, step="post", color=looks[tuner]["color"], alpha=0.15, linewidth=0)
     axes.set_xscale("log")
-    axes.set_xlim(1, longest)
-    axes.set_ylim(-3, 106)
+    axes.set_xlim(1, max(longest, 2))
+    axes.set_ylim(BOTTOM_OF_AXIS, TOP_OF_AXIS)
     axes.set_yticks([0, 25, 50, 75, 100])
     _plain_ticks(axes, [tick for tick in (1, 3, 10, 30, 100, 300, 1000, 3000) if tick <= longest])
-    axes.set_title(race, fontsize=NORMAL, loc="left", pad=4)
-
-
-def _places(longest: int) -> NDArray[np.int64]:
-    """Numbers of flights at which a curve is drawn: each of the first hundred, then evenly on the logarithmic axis."""
-    return np.unique(np.concatenate([np.arange(1, min(longest, 100) + 1), np.geomspace(1, longest, 100).round()])).astype(np.int64)
+    axes.set_title(curves.race, fontsize=NORMAL, loc="left", pad=4)
 
 
 def _plain_ticks(axes: Axes, ticks: Sequence[float]) -> None:
@@ -122,16 +120,12 @@ def _plain_ticks(axes: Axes, ticks: Sequence[float]) -> None:
 
 
 def _looks(runs: Sequence[Run]) -> dict[str, dict[str, Any]]:
-    """Colour and dashes of each tuner: presets of one algorithm share a colour as long as there are dashes."""
-    names = list(dict.fromkeys(run.tuner for run in runs))
-    algorithms = list(dict.fromkeys(name.partition(":")[0] for name in names))
-    looks: dict[str, dict[str, Any]] = {}
-    for name in names:
-        algorithm = name.partition(":")[0]
-        place, before = algorithms.index(algorithm), sum(known.partition(":")[0] == algorithm for known in looks)
-        dash = (before + place // len(COLOURS)) % len(DASHES)
-        looks[name] = {"color": COLOURS[place % len(COLOURS)], "linestyle": DASHES[dash], "linewidth": 1.3}
-    return looks
+    """Colour and dashes of each tuner as matplotlib takes them."""
+    looks = looks_of(list(dict.fromkeys(run.tuner for run in runs)))
+    return {
+        name: {"color": LIGHT[look.colour], "linestyle": (0, DASHES[look.dashes]) if DASHES[look.dashes] else "-", "linewidth": LINE}
+        for name, look in looks.items()
+    }
 
 
 def _draw_key(figure: Figure, looks: Mapping[str, Mapping[str, Any]], across: int) -> None:

@@ -41,10 +41,28 @@ def table(heads: Sequence[object], rows: Iterable[Sequence[object]], caption: st
     return element("div", element("table", title + head + element("tbody", body)), class_="wide")
 
 
+def sortable(heads: Sequence[object], rows: Iterable[Sequence[object]], *, numbers: Container[int] = ()) -> str:
+    """A table that a script may sort by any column, so that every row is one line of it; arguments as for `table`."""
+    kinds = [["number"] if j in numbers else [] for j in range(len(heads))]
+    names = "".join(element("th", text(head), scope="col", **_class(kind)) for head, kind in zip(heads, kinds, strict=True))
+    body = "".join(
+        element(
+            "tr", element("th", text(name), scope="row") + "".join(_data(cell, kind) for cell, kind in zip(cells, kinds[1:], strict=True))
+        )
+        for name, *cells in rows
+    )
+    head = element("thead", element("tr", names))
+    return element("div", element("table", head + element("tbody", body), class_="sortable"), class_="wide")
+
+
+def _data(cell: object, kind: Sequence[str]) -> str:
+    return element("td", text(cell), **_class(kind))
+
+
 def _row(row: Sequence[object], kinds: Sequence[Sequence[str]]) -> str:
     """The cells of a row, the first of which is its head."""
     name, *cells = row
-    rest = "".join(element("td", text(cell), **_class(kind)) for cell, kind in zip(cells, kinds[1:], strict=True))
+    rest = "".join(_data(cell, kind) for cell, kind in zip(cells, kinds[1:], strict=True))
     if cells and len(str(name)) > LONG:
         head = element("th", text(name), scope="row", colspan=len(row), **_class([], name))
         return element("tr", head) + element("tr", element("td") + rest)

@@ -1,4 +1,4 @@
-"""Server: serves one page and its updates to browsers, by default on this machine only; it writes nothing."""
+"""Server: serves a page and its updates to browsers, and pages of studies below it, by default on this machine only; it writes nothing."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import re
 import socket
 import socketserver
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Protocol
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs, unquote, urlsplit
 
 from hotlap.core.errors import HotlapError, InputError
 
@@ -21,6 +21,7 @@ LOCAL = ("localhost", "127.0.0.1", "[::1]")
 PATIENCE = 20.0  # s until a browser must have sent its request
 HTML, JSON, PLAIN = "text/html; charset=utf-8", "application/json; charset=utf-8", "text/plain; charset=utf-8"
 _SCRIPT = re.compile(r"<script(?![^>]*application/json)[^>]*>(.*?)</script>", re.DOTALL)
+_BELOW = re.compile(r"/study/(.+?)(/|/data\.json)")
 _HEADERS = {
     "Cache-Control": "no-store",
     "X-Content-Type-Options": "nosniff",
@@ -48,6 +49,7 @@ class Server(ThreadingHTTPServer):
         source: the page that is served.
         host: name or address to listen on.
         port: 0 for any that is free.
+        below: the page of a study by its name, served at `/study/NAME/`; None where there is none.
 
     Raises:
         InputError: there is no such host, or it cannot be listened on.
@@ -55,8 +57,8 @@ class Server(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, source: Source, host: str, port: int) -> None:
-        self.source, self._host = source, host
+    def __init__(self, source: Source, host: str, port: int, below: Callable[[str], Source | None] = lambda _: None) -> None:
+        self.source, self._host, self._below = source, host, below
         self.address_family, place = _find(host, port)
         try:
             super().__init__(place, Answer)
@@ -85,6 +87,14 @@ class Server(ThreadingHTTPServer):
         everywhere = ipaddress.ip_address(str(self.server_address[0])).is_unspecified
         return host in {*LOCAL, _bracketed(self._host).lower()} or (everywhere and _is_number(host))
 
+    def find(self, path: str) -> tuple[Source, str] | None:
+        """The page that a path belongs to, and the path within it; None where there is no such page."""
+        inner = _BELOW.fullmatch(path)
+        if inner is None:
+            return self.source, path
+        found = self._below(unquote(inner[1]))
+        return None if found is None else (found, inner[2])
+
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Report errors of our own; a browser that closes the connection early is no error."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
@@ -92,7 +102,7 @@ class Server(ThreadingHTTPServer):
 
 
 class Answer(BaseHTTPRequestHandler):
-    """Answers one request: `/` or `/data.json?flights=N`."""
+    """Answers one request: `/` or `/data.json?flights=N`, or the same below `/study/NAME`."""
 
     server: Server  # pyright: ignore[reportIncompatibleVariableOverride]  the only one that makes it
     server_version, sys_version, timeout = "hotlap", "", PATIENCE
@@ -122,21 +132,22 @@ class Answer(BaseHTTPRequestHandler):
         except ValueError:  # brackets that do not match
             asked = urlsplit("")
         try:
-            if asked.path == "/":
-                self._send(HTTPStatus.OK, HTML, self.server.source.page())
-            elif asked.path == "/data.json":
-                self._send_news(parse_qs(asked.query).get("flights", ["-1"])[0])
+            source, path = self.server.find(asked.path) or (self.server.source, "")
+            if path == "/":
+                self._send(HTTPStatus.OK, HTML, source.page())
+            elif path == "/data.json":
+                self._send_news(source, parse_qs(asked.query).get("flights", ["-1"])[0])
             else:
                 self._send(HTTPStatus.NOT_FOUND, PLAIN, "there is nothing here but / and /data.json\n")
         except HotlapError as error:
             self._send(HTTPStatus.SERVICE_UNAVAILABLE, PLAIN, f"{error}\n")
 
-    def _send_news(self, known: str) -> None:
+    def _send_news(self, source: Source, known: str) -> None:
         """Send the document to a page with `known` flights, or nothing where it is up to date."""
         if not re.fullmatch(r"-?\d{1,9}", known):
             self._send(HTTPStatus.BAD_REQUEST, PLAIN, "flights must be a whole number\n")
             return
-        news = self.server.source.news(int(known))
+        news = source.news(int(known))
         self._send(HTTPStatus.NO_CONTENT if news is None else HTTPStatus.OK, JSON, news or "")
 
     def _send(self, status: HTTPStatus, kind: str, text: str) -> None:

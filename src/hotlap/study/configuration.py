@@ -15,6 +15,7 @@ import numpy as np
 from hotlap import tuners
 from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
+from hotlap.core.shown import Shown
 from hotlap.files.error_messages import check
 from hotlap.race.race import Race
 from hotlap.reference.reference import Reference
@@ -34,8 +35,8 @@ FORMER: Mapping[str, Any] = {"lag_lead": 0.0, "offset_free": False, "reference_d
 """Keys of the controller that studies of earlier versions do not have, with the values by which those were flown."""
 
 
-@dataclass(frozen=True)
-class Configuration:
+@dataclass(frozen=True, repr=False)
+class Configuration(Shown):
     """What is tuned in a study, and how.
 
     Attributes:

@@ -51,6 +51,10 @@ class Database:
             self._release()
             raise
 
+    def __del__(self) -> None:
+        if hasattr(self, "_connection"):
+            self.close()
+
     def close(self) -> None:
         """Close the file and unlock the folder; everything is written already."""
         self._connection.close()

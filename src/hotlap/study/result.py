@@ -6,12 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from hotlap.core.shown import Shown
 from hotlap.core.success_rate import Validation
 from hotlap.tuning.candidate import Candidate
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, repr=False)
+class Result(Shown):
     """The result of a run, final or so far.
 
     Attributes:

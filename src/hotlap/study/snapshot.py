@@ -11,6 +11,7 @@ import numpy as np
 
 from hotlap.core.ledger import Ledger
 from hotlap.core.parameters import Parameters
+from hotlap.core.shown import Shown
 from hotlap.study.configuration import GIVEN, Configuration
 from hotlap.study.result import Result
 from hotlap.study.study import Study
@@ -20,8 +21,8 @@ ELSEWHERE = Path("transfer") / "page.html"
 """The page about flights in other worlds, in the folder of a study; there may be none."""
 
 
-@dataclass(frozen=True)
-class Snapshot:
+@dataclass(frozen=True, repr=False)
+class Snapshot(Shown):
     """A study as it was at one moment.
 
     Attributes:

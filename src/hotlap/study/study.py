@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import platform
 import re
+import sqlite3
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -17,13 +18,15 @@ from datetime import datetime
 from functools import reduce
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from hotlap.core.errors import InputError, StudyError
 from hotlap.core.ledger import Ledger
+from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream
+from hotlap.core.shown import Framed, fitted, html_table
 from hotlap.core.version import __version__
 from hotlap.study.configuration import Configuration, first_difference, load_configuration, load_rival, pack_reference, unpack_reference
 from hotlap.study.database import FILE, Database
@@ -36,7 +39,11 @@ from hotlap.tuning.objective import Objective
 from hotlap.tuning.timekeeper import Timekeeper
 from hotlap.worlds.world import is_slow
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 RUNS = Path("runs")
+PAGE = "report.html"
 
 _SCHEMA = """
 CREATE TABLE entry (key TEXT PRIMARY KEY, value) WITHOUT ROWID;
@@ -52,8 +59,17 @@ FROM flight ORDER BY CASE stream WHEN 'SELECTION' THEN 1 WHEN 'VALIDATION' THEN 
 _INSERT = "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 
 
-class Study:
-    """An open study, closed by leaving its `with`; made by `Study.open` or `Study.read`.
+class Study(Framed):
+    """A study: `Study("runs/mine")` opens one to look at, also while another process works on it; `Study.open` begins one or goes on.
+
+    It is closed by leaving its `with`, by `close`, or when nobody needs it any more.
+
+    Args:
+        folder: of a study that is there.
+        configuration: None: look at it; else begin a study, or go on with one of the same configuration, as `Study.open` does.
+
+    Raises:
+        StudyError: the folder holds no study, or one that cannot be used so.
 
     Attributes:
         folder: where it is kept.
@@ -62,11 +78,20 @@ class Study:
 
     configuration: Configuration
 
-    def __init__(self, folder: Path, *, owned: bool) -> None:
-        self.folder = folder
-        self._database = Database(folder, owned=owned)
+    def __init__(self, folder: str | Path, configuration: Configuration | None = None) -> None:
+        self.folder = Path(folder)
+        if configuration is None and not (self.folder / FILE).is_file():
+            raise StudyError(str(folder), "", f"holds no study ({FILE})")
+        self._database = Database(self.folder, owned=configuration is not None)
         self._clock, self._mark = time.monotonic, time.monotonic()
         self._state: Any = None  # as it was recorded last, if anything was
+        with self._closed_on_error():
+            if configuration is None:
+                self._load()
+            elif self._database.is_new():
+                self._create(configuration)
+            else:
+                self._continue(configuration)
 
     @classmethod
     def open(cls, folder: str | Path, configuration: Configuration, command: str = "", hold: str = "") -> Self:
@@ -81,12 +106,8 @@ class Study:
         Raises:
             StudyError: another configuration, another process at work, a file that is no study or of a newer format, no room.
         """
-        study = cls(Path(folder), owned=True)
+        study = cls(folder, configuration)
         with study._closed_on_error():
-            if study._database.is_new():
-                study._create(configuration)
-            else:
-                study._continue(configuration)
             study.keep_command(command)
             if hold:
                 study._enter("hold", hold)
@@ -94,23 +115,63 @@ class Study:
 
     @classmethod
     def read(cls, folder: str | Path) -> Self:
-        """Open a study to read from it, also while another process works on it.
+        """The same as `Study(folder)`.
 
         Raises:
             StudyError: there is none, or it cannot be read.
         """
-        if not (Path(folder) / FILE).is_file():
-            raise StudyError(str(folder), "", f"holds no study ({FILE})")
-        study = cls(Path(folder), owned=False)
-        with study._closed_on_error():
-            if study._database.is_new():
-                raise StudyError(str(folder), "", f"holds no study: {FILE} is empty")
-            plain, reference = study._plain_configuration(), unpack_reference(study._entry("reference"))
-            try:
-                study.configuration = load_configuration(plain, reference)
-            except InputError as fault:
-                raise StudyError(str(folder), fault.key, f"{fault.reason} (the study is of another version of hotlap)") from None
-        return study
+        return cls(folder)
+
+    def _load(self) -> None:
+        """What was asked for, from what is recorded."""
+        if self._database.is_new():
+            raise StudyError(str(self.folder), "", f"holds no study: {FILE} is empty")
+        plain, reference = self._plain_configuration(), unpack_reference(self._entry("reference"))
+        try:
+            self.configuration = load_configuration(plain, reference)
+        except InputError as fault:
+            raise StudyError(str(self.folder), fault.key, f"{fault.reason} (the study is of another version of hotlap)") from None
+
+    def __repr__(self) -> str:
+        title, *others = [value for _, value in self._facts()]
+        return fitted(f"<Study {title}{': ' if others else ''}", others, ">", "; ")
+
+    def _repr_html_(self) -> str:
+        (_, title), *others = self._facts()
+        return html_table(f"study {title}", others)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        """What one wants to know at a glance, by name; of a study that is closed the folder alone."""
+        try:
+            result = self.result
+        except (StudyError, sqlite3.ProgrammingError):
+            return [("study", f"{self.folder} (closed)")]
+        asked = self.configuration
+        begun = [("study", str(self.folder)), ("race", asked.scenario.race.name), ("tuner", asked.tuner)]
+        if result is None:
+            return [*begun, ("budget", f"none of {asked.settings.budget} flights")]
+        best = result.best
+        state = f"{result.goal} {'confirmed' if best.confirmed else 'not confirmed'}, {100 * best.completion:.3g} % of the gates"
+        page = self.folder / PAGE
+        shown = [("page", str(page))] if page.is_file() else []
+        return [*begun, ("budget", f"{result.flights} of {asked.settings.budget} flights"), ("best", state), *shown]
+
+    def records(self) -> list[dict[str, Any]]:
+        """A row for each flight; its parameters are an array, shape (S, K)."""
+        return self.flights().records()
+
+    def plot(self) -> Figure:
+        """Completion and cost over the flights of the search."""
+        from hotlap.report.pictures import draw_convergence  # noqa: PLC0415  matplotlib, only where there is something to draw
+        from hotlap.study.snapshot import read_snapshot  # noqa: PLC0415  it reads a study itself
+
+        return draw_convergence(read_snapshot(self))
+
+    @property
+    def values(self) -> Parameters:
+        """The best parameters so far, shape (S, K); the first guess before the first flight."""
+        result = self.result
+        return self.configuration.first_guess if result is None else result.best.parameters
 
     def __enter__(self) -> Self:
         return self

@@ -6,9 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from hotlap.core.shown import Shown
 
-@dataclass(frozen=True)
-class TriedPlan:
+
+@dataclass(frozen=True, repr=False)
+class TriedPlan(Shown):
     """What became of one plan.
 
     Attributes:

@@ -37,7 +37,7 @@ def build(name: str) -> Tuner:
 
     Raises:
         UnknownNameError: with the names that there are.
-        InputError: a class that cannot be imported.
+        InputError: a class that cannot be imported, or is no tuner.
     """
     renamed = current_name(name)
     if renamed != name:
@@ -51,6 +51,10 @@ def build(name: str) -> Tuner:
         preset = next(iter(presets))
     if preset not in presets:
         raise UnknownNameError(f"preset of {algorithm}", preset, (*presets, "default"), key="tuner")
+    if "." in algorithm:
+        from hotlap.tuners.checked import made  # noqa: PLC0415  only where there is a tuner of someone else's
+
+        return made(make, f"{algorithm}:{preset}", presets[preset])
     return make(f"{algorithm}:{preset}", presets[preset])
 
 
@@ -89,8 +93,8 @@ def _import(path: str) -> tuple[Maker, Presets]:
         raise InputError("", "tuner", f"{path} cannot be imported: {reason}") from error
     if not isinstance(made, type):
         raise InputError("", "tuner", f"{path} cannot be imported: it is no class")
-    if not presets:
-        raise InputError("", "tuner", f"{path} cannot be imported: its PRESETS are empty")
+    if not isinstance(presets, Mapping) or not presets:
+        raise InputError("", "tuner", f"{path} cannot be imported: its PRESETS must map at least one name to settings")
     return made, presets
 
 

@@ -10,13 +10,14 @@ import numpy as np
 
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Floats, Scores
+from hotlap.core.shown import Shown
 from hotlap.tuning.goal import Goal
 
 WORST: Mapping[str, float] = {"cost": float("inf"), "lap_time": float("nan")}  # of what need not be finite
 
 
-@dataclass(frozen=True)
-class Candidate:
+@dataclass(frozen=True, repr=False)
+class Candidate(Shown):
     """Parameters, and the means over their flights so far.
 
     Attributes:

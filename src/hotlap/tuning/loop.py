@@ -19,8 +19,10 @@ from hotlap.core.ledger import Ledger, enter
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
+from hotlap.core.shown import Shown
 from hotlap.core.success_rate import Validation
 from hotlap.reference.scenario import Scenario
+from hotlap.tuners.checked import checked
 from hotlap.tuners.tuner import Tuner, asked_together
 from hotlap.tuning.candidate import Candidate, reported_scores, summarise
 from hotlap.tuning.choice import Choice
@@ -34,8 +36,8 @@ FEW = 4  # candidates of a population that are confirmed
 SCREENED = 48  # flights after which a validation of one may be given up
 
 
-@dataclass(frozen=True)
-class Request:
+@dataclass(frozen=True, repr=False)
+class Request(Shown):
     """Flights that a run wants flown.
 
     Attributes:
@@ -47,8 +49,8 @@ class Request:
     seeds: NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class Batch:
+@dataclass(frozen=True, repr=False)
+class Batch(Shown):
     """One pass of the loop: some candidates flown, confirmed, validated and reported to the tuner.
 
     Attributes:
@@ -112,13 +114,13 @@ class Tuning:
         state: dict[str, Any] | None = None,
     ) -> None:
         guess = scenario.space.first_guess(len(scenario.segments)) if first_guess is None else first_guess
-        self.tuner, self.settings = tuner, settings
+        self.tuner, self.settings = checked(tuner), settings
         self.best: Candidate | None = None
         self.validation: Validation | None = None
         self.search_flights = 0
         self._flown = {Stream.SEARCH: 0, Stream.CONFIRMATION: 0, Stream.VALIDATION: 0, Stream.SELECTION: 0}
-        self._choice, self._ended = Choice(tuner, settings), 0.0
-        tuner.start(guess, scenario.space, np.random.default_rng(settings.seed))
+        self._choice, self._ended = Choice(self.tuner, settings), 0.0
+        self.tuner.start(guess, scenario.space, np.random.default_rng(settings.seed))
         if state is not None:
             self._restore(state)
 

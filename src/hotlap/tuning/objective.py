@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights, Scores
 from hotlap.race.vehicle_parameters import draw_vehicle_parameters
@@ -38,7 +39,7 @@ class Objective:
         metric: what the cost measures.
         randomise: how far each flight's vehicle may differ from the race's, as a share; see `vehicle_parameters.draw_vehicle_parameters`.
         cost: of your own, in place of the metric's: (flights, scores by the metric) -> shape (B,), not negative, less is better.
-            A study of it is configured with `cost=objective.own_cost`.
+            A study of it is configured with `cost=objective.own_cost`. One that is negative or of another shape is an `InputError`.
         flights: how many have been flown through it.
     """
 
@@ -80,10 +81,27 @@ class Objective:
         scores = score(flights, self.scenario.race.judge, self.metric)
         if self.cost is None:
             return flights, scores
-        own = np.asarray(self.cost(flights, scores), dtype=np.float64)
-        if own.shape != (len(flights),):
-            raise ValueError(f"cost must have shape ({len(flights)},), one number a flight, not {own.shape}")
-        return flights, scores.with_costs(own)
+        return flights, scores.with_costs(_numbers(self.cost(flights, scores), len(flights)))
+
+
+def _numbers(own: Any, count: int) -> NDArray[np.float64]:
+    """Costs of one's own, shape (count,); one that is not a number counts as worse than all others, as an infinite one does.
+
+    Raises:
+        InputError: they are no numbers, not one for each flight, or negative.
+    """
+    try:
+        costs = np.asarray(own, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError("", "cost", f"must return numbers, shape ({count},), not a {type(own).__name__}") from None
+    if costs.shape != (count,):
+        raise InputError("", "cost", f"must return one number for each flight, shape ({count},), not {costs.shape}")
+    if (costs < 0).any():
+        worst = float(costs.min())
+        raise InputError(
+            "", "cost", f"must not be negative, not {worst:g}: tuners take logarithms; add a constant, or take its exponential"
+        )
+    return costs
 
 
 def _name(cost: Callable[..., Any]) -> str:

@@ -107,7 +107,7 @@ def parameters_of(vehicle: Quadrotor) -> dict[str, Any]:
     return {
         "mass": vehicle.mass,
         **inertia,
-        **dict(zip(("c_Dx", "c_Dy", "c_Dz"), vehicle.body_drag, strict=True)),
+        **dict.fromkeys(("c_Dx", "c_Dy", "c_Dz"), 0.0),  # its form takes the whole speed for every axis: see `multirotor`
         "num_rotors": 4,
         "rotor_pos": {f"r{k + 1}": np.array([*position, 0.0]) for k, position in enumerate(vehicle.rotor_positions)},
         "rotor_directions": vehicle.rotor_spins,
@@ -123,7 +123,7 @@ def parameters_of(vehicle: Quadrotor) -> dict[str, Any]:
 
 
 def multirotor(vehicle: Quadrotor, autopilot: Quadrotor) -> Multirotor:
-    """RotorPy's quadrotor, made ours: other time constants up and down, linear drag, thrust that is off by a factor.
+    """RotorPy's quadrotor, made ours: other time constants up and down, drags axis by axis, thrust that is off by a factor.
 
     Args:
         vehicle: that flies.
@@ -140,7 +140,7 @@ def multirotor(vehicle: Quadrotor, autopilot: Quadrotor) -> Multirotor:
         raise SimulatorError(MISSING) from error
 
     up, down = (max(time, LEAST_MOTOR_TIME) for time in vehicle.motor_time)
-    linear_drag = vehicle.mass * np.array(vehicle.drag)
+    linear_drag, body_drag = vehicle.mass * np.array(vehicle.drag), np.array(vehicle.body_drag)
 
     class Ours(Multirotor):
         """A quadrotor that RotorPy flies."""
@@ -168,7 +168,7 @@ def multirotor(vehicle: Quadrotor, autopilot: Quadrotor) -> Multirotor:
         def compute_body_wrench(self, body_rates: Floats, rotor_speeds: Floats, body_airspeed_vector: Floats) -> tuple[Floats, Floats]:
             """Force and torque (body)."""
             force, torque = super().compute_body_wrench(body_rates, rotor_speeds, body_airspeed_vector)
-            force = force - linear_drag * body_airspeed_vector
+            force = force - (linear_drag + body_drag * np.abs(body_airspeed_vector)) * body_airspeed_vector
             force[2] += (self.thrust_factor - 1) * self.k_eta * (rotor_speeds @ rotor_speeds)
             return force, torque
 
