@@ -72,7 +72,7 @@ def drive(*words: str) -> None:
 
 def test_the_page_of_a_study_does_what_it_should(tmp_path):
     hotlap("tune", *RACE, "--budget", "40", "--validation", "40", "--hold", LONG, "--out", str(tmp_path / "study"))
-    drive("browser/study.mjs", str(tmp_path / "study/report.html"), str(tmp_path / "pictures"))
+    drive("browser/study.mjs", str(tmp_path / "study/report.html"), str(tmp_path / "pictures"), "long")
     assert {path.name for path in (tmp_path / "pictures").iterdir()} == {"desktop.png", "phone.png", "print.pdf", "without-script.png"}
     drive("browser/tool.mjs", str(tmp_path / "study/report.html"), str(tmp_path / "pictures"))
 

@@ -99,6 +99,14 @@ def test_a_goal_that_was_not_confirmed_is_said_as_plainly(tmp_path):
     assert "NOT confirmed in 20 flights" in summary_of(snapshot)
 
 
+@pytest.mark.parametrize(("goal", "told"), [("completion=1", True), ("none", False)])
+def test_a_study_that_failed_says_why_without_javascript(tmp_path, goal, told):
+    world = PlausibleWorld(reach=40.0)
+    study = carry(tmp_path, configure(goal=goal, budget=10), world)
+    words = " ".join(read(render_static(study, replay_finished(study.configuration, world, study.best))).words)
+    assert ("Why it failed" in words) == ("50 of 50 new flights missed gate 1" in words) == told
+
+
 def test_a_study_without_flights_has_a_page(tmp_path):
     snapshot = begin(tmp_path, configure())
     assert summary_of(snapshot) == "No flights yet."

@@ -41,7 +41,7 @@ export function convergence(app: App): { readonly element: HTMLElement; readonly
   app.theme.after(build);
   const upper = h("figure", { class: "chart" }, h("figcaption", {}, "completion [%]"), completion);
   const lower = h("figure", { class: "chart" }, h("figcaption", {}, name), cost);
-  const note = "Every flight in the order flown; line: the best single search flight so far, which may be lucky; dashed: the tuned parameters, the mean of their flights.";
+  const note = "Line: the best single search flight so far, which may be lucky; dashed: the tuned parameters, the mean of their flights.";
   return { element: card("convergence", "Convergence of the search", note, key, upper, lower, said), build };
 }
 

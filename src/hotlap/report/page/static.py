@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from hotlap.analysis.remedies import failures_of, what_to_try
+from hotlap.analysis.remedies import failures_of, what_to_try, why
 from hotlap.analysis.robustness import Robustness
 from hotlap.core.counts import count
 from hotlap.core.success_rate import Validation, wilson_interval
@@ -16,6 +17,8 @@ from hotlap.report.scene import Scene, stage
 from hotlap.study.result import Result
 from hotlap.study.snapshot import Snapshot
 from hotlap.tuning.goal import Quantity
+
+MOST_ENDS = 3  # of flights, that are told apart where a study failed
 
 
 def render_static(snapshot: Snapshot, replay: Replay | None) -> str:
@@ -29,6 +32,7 @@ def render_static(snapshot: Snapshot, replay: Replay | None) -> str:
     parts = [
         element("h1", text(title_of(snapshot))),
         paragraph(summary_of(snapshot)),
+        *(_failure(snapshot, replay) if replay is not None and _failed(snapshot) else ()),
         _figure(scene),
         element("h2", "Facts"),
         facts(_facts(snapshot)),
@@ -130,9 +134,33 @@ def _tables(snapshot: Snapshot, replay: Replay | None) -> Iterator[str]:
         yield element("h2", "Robustness: the tuned parameters under other conditions") + _robustness(
             replay.robustness, asked=bool(snapshot.hold)
         )
+    if not _failed(snapshot):
+        yield from _advice(snapshot, replay)
+
+
+def _failed(snapshot: Snapshot) -> bool:
+    """Whether a study has ended without what it was after."""
+    asked, result = snapshot.configuration, snapshot.result
+    return snapshot.finished and result is not None and not result.best.confirmed and asked.settings.goal.quantity is not Quantity.NONE
+
+
+def _failure(snapshot: Snapshot, replay: Replay) -> Iterator[str]:
+    """Why a study failed, as its flights ended and as far as causes are known, and what to try."""
+    ends = Counter(replay.scene.repeats[0].ends).most_common(MOST_ENDS) if replay.scene.repeats else []
+    flown = [f"{number} of {replay.scene.repeats[0].flights} new flights {end}" for end, number in ends]
+    yield element("h2", "Why it failed") + _list([*flown, *why(failures_of(replay.robustness[:1]))])
+    yield from _advice(snapshot, replay)
+
+
+def _advice(snapshot: Snapshot, replay: Replay) -> Iterator[str]:
+    """What to try where flights fail."""
     advice = what_to_try(failures_of(replay.robustness), snapshot.advice)
     if advice:
-        yield element("h2", "What to try") + element("ul", "".join(element("li", text(line)) for line in advice))
+        yield element("h2", "What to try") + _list(advice)
+
+
+def _list(lines: Sequence[str]) -> str:
+    return element("ul", "".join(element("li", text(line)) for line in lines))
 
 
 def _robustness(robustness: Sequence[Robustness], *, asked: bool) -> str:
