@@ -1,6 +1,6 @@
 """Vehicles for crazyflow: a quadrotor of ours as crazyflow describes one, and crazyflow's own under body rates. Loads JAX."""
 
-# pyright: reportMissingImports=false
+# pyright: reportMissingImports=false, reportAttributeAccessIssue=false, reportArgumentType=false, reportOptionalMemberAccess=false
 
 from __future__ import annotations
 
