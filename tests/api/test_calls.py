@@ -151,7 +151,6 @@ def test_a_result_can_be_drawn(results, monkeypatch):
     monkeypatch.setitem(MODULES, "hotlap.report.comparison", None)
     monkeypatch.delitem(sys.modules, "hotlap.report.comparison")
     assert all(isinstance(results[name].plot(), Figure) for name in ("tuned", "planned", "compared"))
-    assert isinstance(hotlap.Study("mine").plot(), Figure)
 
 
 def test_a_tuning_can_be_exported_as_its_study_can(here):

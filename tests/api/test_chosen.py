@@ -118,7 +118,7 @@ def test_a_choice_that_was_stopped_goes_on_and_ends_the_same(batches):
     whole = tune("open.toml", out="whole")
     with pytest.raises(KeyboardInterrupt) as stopped:
         tune("open.toml", out="parts", progress=Stopping(batches))
-    assert "--out parts" in "".join(stopped.value.__notes__)
+    assert "out='parts')" in "".join(stopped.value.__notes__)
     parts = tune("open.toml", out="parts")
     assert parts.plans == whole.plans
     np.testing.assert_array_equal(parts.values, whole.values)

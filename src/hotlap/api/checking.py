@@ -33,7 +33,7 @@ def check(
         segments: of a race: how the reference is cut.
         controller: of a race: which one flies; None: the race's.
         flights: of a race, with the default weights, and as many with the first guess; 0: none.
-        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
+        progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:
         The findings; a race without a plan is one, not an error.

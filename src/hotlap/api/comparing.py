@@ -62,7 +62,7 @@ def compare(
         on: where to fly.
         instances: simulators that fly side by side, where that is a simulator.
         hold: conditions to fly each result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
-        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
+        progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:
         Every run, and a row for each tuner on each race.

@@ -25,7 +25,7 @@ def export(
         folder: folder of a study, as hotlap tune made it.
         format: of which program.
         out: file to write; None: one in DIR.
-        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
+        progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:
         The files that were written.

@@ -48,7 +48,7 @@ def fly(
         instances: simulators that fly side by side, where that is a simulator.
         log: write the first flight as CSV, step by step.
         hold: further conditions to fly them under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
-        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
+        progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:
         How each flight ended; a drone that crashes is a result.

@@ -1,12 +1,13 @@
-"""Notebook: the progress of a call in a notebook, as bars that the browser draws; nothing has to be installed for it."""
+"""Notebook: the progress of a call in a notebook, as bars that the browser draws, or elsewhere as lines; nothing has to be installed."""
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from html import escape
+from html import escape, unescape
 from typing import TYPE_CHECKING, Any
 
 from hotlap.api.progress import Progress, Quiet, Rounds
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from hotlap.tuning.loop import Batch
 
 INTERVAL = 0.2  # s between two pictures of a bar
+LINES = 5.0  # s between two lines
+TAG = re.compile(r"<[^>]*>")
 Show = Callable[[str], Callable[[str], None]]
 """Shows some HTML, and gives what replaces it."""
 
@@ -24,17 +27,13 @@ def progress_of(given: Progress | bool | None) -> Progress:
     """What is told how the work goes on.
 
     Args:
-        given: one of one's own; True: bars in a notebook, else on standard error; False: nothing; None: bars in a notebook, else nothing.
+        given: one of one's own; True: bars in a notebook, else lines on standard error; False: nothing; None: bars in a notebook alone.
     """
     if given is not None and not isinstance(given, bool):
         return given
     if given is not False and (show := _display()) is not None:
         return Notebook(show)
-    if given:
-        from hotlap.cli.progress import TERMINAL  # noqa: PLC0415  it loads rich
-
-        return TERMINAL
-    return Quiet()
+    return Notebook(_write, interval=LINES) if given else Quiet()
 
 
 class Notebook:
@@ -43,10 +42,11 @@ class Notebook:
     Args:
         show: shows some HTML in the notebook.
         clock: [s]
+        interval: [s] between two pictures of a bar.
     """
 
-    def __init__(self, show: Show, clock: Callable[[], float] = time.monotonic) -> None:
-        self._show, self._clock = show, clock
+    def __init__(self, show: Show, clock: Callable[[], float] = time.monotonic, interval: float = INTERVAL) -> None:
+        self._show, self._clock, self._interval = show, clock, interval
 
     def note(self, text: str) -> None:
         """A remark."""
@@ -94,7 +94,7 @@ class Notebook:
             yield go_on
 
     def _bar(self, unit: str, total: float, done: float) -> Bar:
-        return Bar(self._show, unit, total, done, self._clock)
+        return Bar(self._show, unit, total, done, self._clock, self._interval)
 
 
 class Bar(AbstractContextManager["Bar"]):
@@ -106,17 +106,18 @@ class Bar(AbstractContextManager["Bar"]):
         total: how many there are in all.
         done: how many of them so far.
         clock: [s]
+        interval: [s] between two pictures.
     """
 
-    def __init__(self, show: Show, unit: str, total: float, done: float, clock: Callable[[], float]) -> None:
-        self.total, self.done = total, done
+    def __init__(self, show: Show, unit: str, total: float, done: float, clock: Callable[[], float], interval: float) -> None:
+        self.total, self.done, self._interval = total, done, interval
         self._unit, self._words, self._clock, self._drawn = unit, "", clock, clock()
         self._replace = show(self._html())
 
     def move(self, done: float, words: str) -> None:
         """Show how many are done, if it is time."""
         self.done, self._words = done, words
-        if self._clock() - self._drawn >= INTERVAL:
+        if self._clock() - self._drawn >= self._interval:
             self._drawn = self._clock()
             self._replace(self._html())
 
@@ -127,6 +128,17 @@ class Bar(AbstractContextManager["Bar"]):
         count = f"{self.done:.0f} of {self.total:.0f} {escape(self._unit)}"
         words = f", {escape(self._words)}" if self._words else ""
         return f'<progress value="{self.done:.0f}" max="{max(self.total, 1):.0f}"></progress> <small>{count}{words}</small>'
+
+
+def _write(text: str) -> Callable[[str], None]:
+    """A line on standard error, and further ones for what would replace it."""
+
+    def say(later: str) -> None:
+        if words := unescape(TAG.sub("", later)).strip():
+            sys.stderr.write(f"{words}\n")
+
+    say(text)
+    return say
 
 
 def _display() -> Show | None:

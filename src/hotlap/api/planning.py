@@ -33,7 +33,7 @@ def plan(
         reference: read this CSV instead of planning.
         segments: how the reference is cut.
         cache: take the plan from the user's cache, and leave it there; False: plan anew, and keep nothing in the cache of plans.
-        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
+        progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:
         The reference with its segments.

@@ -29,7 +29,7 @@ def transfer(
         to: names of other worlds; in Python also worlds themselves.
         flights: of each set of parameters in each world, 3 or more.
         seed: of the noise.
-        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
+        progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:
         How each flight went, in the world of the study first.

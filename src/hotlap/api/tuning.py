@@ -117,7 +117,7 @@ def tune(
             it is another number than 2000.
         minutes: of wall time for search, choice and validation, in which populations are flown; 0: flights are counted, not time.
         hold: further conditions to fly the result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
-        progress: receives messages about the progress of the work; True: bars; False: no messages; None: bars in a notebook, else none.
+        progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:
         How it ended, also where the goal was not confirmed; everything that it found lies in the folder of the study. For the goal lap_time

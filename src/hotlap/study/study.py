@@ -18,7 +18,7 @@ from datetime import datetime
 from functools import reduce
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -38,9 +38,6 @@ from hotlap.tuning.loop import Batch, Tuning, tune
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.timekeeper import Timekeeper
 from hotlap.worlds.world import is_slow
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 RUNS = Path("runs")
 PAGE = "report.html"
@@ -159,13 +156,6 @@ class Study(Framed):
     def records(self) -> list[dict[str, Any]]:
         """A row for each flight; its parameters are an array, shape (S, K)."""
         return self.flights().records()
-
-    def plot(self) -> Figure:
-        """Completion and cost over the flights of the search."""
-        from hotlap.report.pictures import draw_convergence  # noqa: PLC0415  matplotlib, only where there is something to draw
-        from hotlap.study.snapshot import read_snapshot  # noqa: PLC0415  it reads a study itself
-
-        return draw_convergence(read_snapshot(self))
 
     @property
     def values(self) -> Parameters:
