@@ -47,7 +47,9 @@ def test_a_processor_without_wide_vectors_flies_the_same():
     tests = "lanes_fly_as_plain_floats or threads_and_logs or end_in_more_than_one_way or lanes_agree"
     files = [str(HERE / "test_fly.py"), str(HERE / "test_self_check.py")]
     said = run(["-m", "pytest", "-q", "-k", tests, *files], NUMBA_CPU_NAME="generic")
-    assert re.search(r"^6 passed", said, re.MULTILINE), said
+    passed = re.search(r"^(\d+) passed, \d+ deselected", said, re.MULTILINE)
+    assert passed is not None, said
+    assert int(passed[1]) >= 6
 
 
 def take_out_x86(assembly: str) -> str:
