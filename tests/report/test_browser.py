@@ -111,6 +111,7 @@ def test_the_page_of_a_comparison_can_be_read_sorted_and_sifted_at_any_size_and_
     page = tmp_path / "comparison.html"
     page.write_text(compose_article(make_comparison(), "runs.jsonl", f"hotlap compare {'a-long-name-' * 12}").html, encoding="utf-8")
     drive("browser/comparison.mjs", str(page), str(tmp_path / "pictures"))
+    drive("browser/axe.mjs", str(page))
     assert len(list((tmp_path / "pictures").iterdir())) == 4
 
 

@@ -15,7 +15,7 @@ export function zoomSwitch(app: App): HTMLElement {
     button("zoom-out", "−", "zoom out", "−", () => zoom.by(1 / ZOOM, clock.time.value)),
     button("pan-back", "◂", "earlier", "[", () => zoom.pan(-PAN)),
     button("pan-on", "▸", "later", "]", () => zoom.pan(PAN)),
-    button("zoom-all", "all", "the whole lap", "0", () => zoom.clear()),
+    button("zoom-all", "all", "all of the lap", "0", () => zoom.clear()),
   ];
   zoom.range.watch((range) => {
     shown.textContent = range ? `${range[0].toFixed(2)} to ${range[1].toFixed(2)} s` : "";
