@@ -189,6 +189,7 @@ p, figcaption { max-width: 46rem; }
 figcaption { color: var(--quiet); font-size: 0.85rem; margin-top: 0.3rem; }
 figure { margin: 1.5rem 0; }
 img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
+@media screen and (prefers-color-scheme: dark) { img { filter: invert(0.91) hue-rotate(180deg); } } /* light turns dark, colours stay */
 a { color: var(--accent); }
 code { font: 0.9em ui-monospace, monospace; overflow-wrap: anywhere; }
 .wide { overflow-x: auto; margin: 1rem 0; }
