@@ -124,6 +124,7 @@ def test_knobs_say_what_is_planned_with():
     assert first_plan_settings(RACE).applied(RACE).planning_model.rotor_thrust == RACE.planning_model.rotor_thrust
 
 
+@pytest.mark.check
 def test_a_faster_race_is_written_with_parameters_that_fly_it(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(fastest, "ROUNDS", 2)
     out = tmp_path / "fast"

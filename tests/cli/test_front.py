@@ -55,6 +55,7 @@ def test_a_front_is_written_with_races_and_parameters_that_fly_it(tmp_path, caps
     assert sum(row["best"] for row in found.rows()) == 1
 
 
+@pytest.mark.check
 @pytest.mark.usefixtures("few_plans")
 def test_where_nothing_holds_the_front_says_what_is_stood(tmp_path, capsys):
     assert main([*TUNE[:-1], "--hold", "mass=+300%", "--out", str(tmp_path)]) == 1

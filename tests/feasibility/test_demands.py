@@ -52,6 +52,7 @@ def test_level_flight_takes_what_the_vehicle_needs_at_that_speed_with_its_own_dr
     assert found == pytest.approx(thrust, rel=0.03)
 
 
+@pytest.mark.check
 def test_a_plan_takes_about_the_share_of_the_thrust_that_it_was_planned_with():
     race, _, _, reference = small.planned("ramp")
     found = demands(race, reference)

@@ -51,6 +51,7 @@ def test_a_share_of_the_thrust_that_cannot_carry_the_drone_is_refused_before_any
         plan(race)
 
 
+@pytest.mark.check
 def test_a_drone_too_weak_for_a_climb_is_told_the_gate():
     with pytest.raises(PlanningError, match="no plan for small, gate 1") as caught:
         plan(small.make_race([(0.0, 0.0, 100.0)], quadrotor={"rotor_thrust": (0.0, 2.46)}), cache=False)
@@ -123,6 +124,7 @@ def test_a_search_that_never_ends_names_the_gate_that_it_misses(monkeypatch):
     assert caught.value.where in {f"gate {k}" for k in range(1, 5)}
 
 
+@pytest.mark.check
 def test_a_detour_is_refused_unless_another_search_confirms_it(monkeypatch):
     problem, search, usual = Problem.of(small.RACES["drag"]), planner.plan_quadrotor, small.planned("drag")[2].duration
     stretch = iter([2.0, 3.0, 4.0, 2.0, 2.0])

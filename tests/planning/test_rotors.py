@@ -33,7 +33,7 @@ def planned(rotors: int, *, full: bool) -> tuple[Problem, Reference]:
     return problem, sample(problem, find_plan(problem), cpu_time=0.0)
 
 
-@pytest.mark.parametrize("full", [False, True], ids=["ideal", "full"])
+@pytest.mark.parametrize("full", [False, pytest.param(True, marks=pytest.mark.check)], ids=["ideal", "full"])
 def test_six_rotors_are_planned_within_their_limits_and_as_fast_as_four_that_push_as_much(full):
     problem, reference = planned(6, full=full)
     thrusts = reference.rotor_thrusts[: reference.planned_rows]
