@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import hotlap
 from fake_world import FakeWorld, make_scenario
+from hotlap.api.given import as_annotated
 from hotlap.api.progress import Quiet
 from hotlap.core.errors import InputError
 from hotlap.study.study import Study
@@ -94,3 +97,8 @@ def test_reflights_flown_a_few_at_a_time_tell_the_same_and_take_fewer_flights():
     assert (flights, cost) == one_by_one[:2] == by_three[:2]
     assert one_by_one[2] < by_three[2] < together
     assert one_by_one[2] == flights
+
+
+def test_a_path_stands_for_its_text():
+    given = as_annotated(hotlap.tune, {"race": Path("my-race.toml"), "first_guess": Path("runs") / "mine"})
+    assert given["first_guess"] == str(Path("runs") / "mine")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from numbers import Integral, Real
+from pathlib import PurePath
 from typing import Any
 
 from hotlap.core.errors import InputError
@@ -61,6 +62,8 @@ def _one(name: str, value: Any, annotation: Any) -> Any:
         classes -= {"int", "object"}
     if any(classes & set(KINDS.get(part, (part,))) for part in parts):
         return value
+    if "str" in parts and isinstance(value, PurePath):
+        return str(value)
     if "int" in parts and isinstance(value, Integral) and not isinstance(value, bool):
         return int(value)
     if "float" in parts and isinstance(value, Real) and not isinstance(value, bool):
