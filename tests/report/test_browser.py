@@ -56,7 +56,7 @@ def tools():
         pytest.skip(reason)
     with (PAGE / "package-lock.json").open() as lock:  # processes of one test run must not install at the same time
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (PAGE / "node_modules/playwright-core").is_dir():
+        if not all((PAGE / "node_modules" / name).is_dir() for name in ("playwright-core", "axe-core")):
             subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"], cwd=PAGE, check=True, capture_output=True)
 
 
