@@ -20,6 +20,7 @@ from hotlap.core.records import End, Flights
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.vehicle_parameters import vehicle_parameters_of
 from hotlap.reference.scenario import Scenario
+from hotlap.reproduce.real_world import flown_by
 from hotlap.worlds.betaflight import open_simulator
 from hotlap.worlds.betaflight.gains import as_flown
 from hotlap.worlds.built_in import BuiltIn
@@ -114,8 +115,7 @@ def compare(scenario: Scenario, weights: Parameters, fit: RateLoopFit, count: in
 
 def with_pid(scenario: Scenario) -> Scenario:
     """A scenario whose vehicle has a rate loop and a mixer after Betaflight's in the built-in world."""
-    race = scenario.race
-    return replace(scenario, race=race.model_copy(update={"vehicle": as_flown(race.vehicle), "model": race.control_model}))
+    return replace(scenario, race=flown_by(scenario.race, as_flown(scenario.race.vehicle)))
 
 
 def with_fit(vehicle: Quadrotor, fit: RateLoopFit) -> Quadrotor:

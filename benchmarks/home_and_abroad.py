@@ -34,6 +34,7 @@ from hotlap.planning.preparation import prepare
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
+from hotlap.reproduce.real_world import flown_by
 from hotlap.system.journal import Journal
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune
 from hotlap.tuning.objective import Objective
@@ -90,9 +91,7 @@ class Case:
         race = load_race(self.race)
         if self.description is None:
             return race
-        planning = race.planning.model_copy(update={"quadrotor": race.planning_model})
-        update = {"vehicle": self.description(race.vehicle), "model": race.control_model, "planning": planning}
-        return race.model_copy(update=update)
+        return flown_by(race, self.description(race.vehicle))
 
 
 @dataclass(frozen=True)

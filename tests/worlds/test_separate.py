@@ -70,6 +70,15 @@ def test_one_that_cannot_be_opened_says_why():
         Separate(Recorder, "closed")
 
 
+def test_nothing_of_the_folder_that_it_runs_in_is_loaded(tmp_path, monkeypatch):
+    (tmp_path / "numpy.py").write_text("raise SystemExit('loaded')\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [path for path in sys.path if path])
+    simulator = Separate(Recorder)
+    assert simulator.lanes == 2
+    simulator.close()
+
+
 def test_a_program_needs_no_guard(tmp_path):
     """Nothing of it is loaded again for the simulator's process."""
     (tmp_path / "simple.py").write_text(

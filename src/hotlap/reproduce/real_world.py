@@ -74,7 +74,7 @@ class AsFlown:
         log: Sequence[int] = (),
     ) -> Flights:
         """Fly a batch, as `World.fly` says."""
-        race = _with_vehicle(scenario.race, as_flown(scenario.race.vehicle))
+        race = flown_by(scenario.race, as_flown(scenario.race.vehicle))
         return built_in_world().fly(replace(scenario, race=race), parameters, seeds, vehicle_parameters=vehicle_parameters, log=log)
 
 
@@ -98,7 +98,7 @@ def real_world(jobs: ResumableJobs, *, quick: bool) -> Article:
     with _available():
         journeys = {name: _journey(race, flights) for name, race in races.items()}
         next(iter(journeys.values())).open(jobs.folder)  # what is not installed is told before anything is tuned
-    vehicles = {TUNED: races, KNOWN: {name: _with_vehicle(race, as_flown(race.vehicle)) for name, race in races.items()}}
+    vehicles = {TUNED: races, KNOWN: {name: flown_by(race, as_flown(race.vehicle)) for name, race in races.items()}}
     wanted = {f"{name}, {label}": HomeJob(race, budget) for label, each in vehicles.items() for name, race in each.items()}
     found = {key: np.array(parameters) for key, parameters in jobs.each("tunings", wanted, tune_at_home).items()}
     page = Article("The physical platform, with a real firmware in its place")
@@ -116,11 +116,11 @@ def _races(*, quick: bool) -> dict[str, Race]:
     race = load_race(RACE)
     if quick:
         return {RACE: race}
-    late = _with_vehicle(race, race.vehicle.model_copy(update={"delay": UNKNOWN_DELAY}))
+    late = flown_by(race, race.vehicle.model_copy(update={"delay": UNKNOWN_DELAY}))
     return {RACE: race, f"{RACE}-late": late.model_copy(update={"name": f"{RACE}-late"})}
 
 
-def _with_vehicle(race: Race, vehicle: Quadrotor) -> Race:
+def flown_by(race: Race, vehicle: Quadrotor) -> Race:
     """A race that another drone flies, of which plan and controller know nothing."""
     planning = race.planning.model_copy(update={"quadrotor": race.planning_model})
     return race.model_copy(update={"vehicle": vehicle, "model": race.control_model, "planning": planning})

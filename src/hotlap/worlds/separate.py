@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -44,9 +45,9 @@ class Separate:
 
     def __init__(self, opened: Callable[..., Simulator], *arguments: Any, environment: Mapping[str, str] = MappingProxyType({})) -> None:
         ours, theirs = socket.socketpair()
-        found = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), **environment}
+        found = {"PYTHONPATH": os.pathsep.join(path or str(Path.cwd()) for path in sys.path), **environment}
         with theirs:
-            command = [sys.executable, "-c", PROGRAM, str(theirs.fileno())]
+            command = [sys.executable, "-P", "-c", PROGRAM, str(theirs.fileno())]  # -P: nothing of the folder that it runs in
             with one_thread_each(), variables(found):
                 self._process = subprocess.Popen(command, pass_fds=[theirs.fileno()])
         self._pipe = Connection(ours.detach())
