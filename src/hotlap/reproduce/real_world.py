@@ -39,7 +39,7 @@ from hotlap.tuning.objective import Objective
 from hotlap.worlds.betaflight.gains import as_flown
 
 WORLD, RACE = "betaflight", "split-s"
-KNOWN = "tuned with its rate loop"
+KNOWN = "tuned for the firmware"
 FLIGHTS, BUDGET, SELECTION = 3, 200, 50
 OUT_OF_REACH = 1e-3  # m: a goal that no controller reaches, so that the search looks for the least error until its budget is spent
 UNKNOWN_DELAY = 0.045  # s, as in the default suite
@@ -61,7 +61,7 @@ class AsFlown:
         takes_vehicle_parameters: False.
     """
 
-    name = "built-in, its rate loop"
+    name = "built-in, firmware's loop"
     takes_vehicle_parameters = False
 
     def fly(
