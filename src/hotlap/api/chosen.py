@@ -29,7 +29,7 @@ from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
 from hotlap.study.configuration import Configuration
-from hotlap.study.database import FILE
+from hotlap.study.database import FILE, is_begun
 from hotlap.study.study import Study
 from hotlap.study.tried_plan import TriedPlan, chosen_of
 from hotlap.tuning.candidate import Candidate
@@ -205,7 +205,7 @@ class PlanChoice:
     def _minutes_of(self, share: float) -> float:
         """Minutes of the study of a plan that was begun before; 0 where there is none."""
         place = self.folder / PLANS / _name(share)
-        if not (place / FILE).exists():
+        if not is_begun(place):
             return 0.0
         with Study.read(place) as study:
             return study.configuration.settings.minutes

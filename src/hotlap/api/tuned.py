@@ -41,7 +41,7 @@ from hotlap.first_guess.names import LEARNED
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
-from hotlap.study.database import FILE
+from hotlap.study.database import is_begun
 from hotlap.study.result import Result
 from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study, new_folder
@@ -210,7 +210,7 @@ def carry_out(asked: Asked, *, at_home: bool = False) -> TuningResult:
         folder = folder or new_folder(job.race.name)
         with asked.remarked("go on", out=folder):
             job = _begun_at_home(job, folder)
-    if folder is not None and (folder / FILE).exists():
+    if folder is not None and is_begun(folder):
         configuration, plans = _go_on(job, folder)
     elif leaves_open(job.race, job.settings, job.asked):
         folder, chosen = folder or new_folder(job.race.name), True

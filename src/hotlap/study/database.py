@@ -27,6 +27,21 @@ _WORDS = {
 }
 
 
+def is_begun(folder: Path) -> bool:
+    """Whether a folder holds a study; a file that was made and never filled, since its maker was stopped, is none.
+
+    Raises:
+        StudyError: what it holds cannot be read, or is no study.
+    """
+    if not (folder / FILE).exists() or (folder / FILE).stat().st_size == 0:
+        return False
+    database = Database(folder, owned=False)
+    try:
+        return not database.is_new()
+    finally:
+        database.close()
+
+
 class Database:
     """An open file, with SQLite's default journal: consistent after a kill or a power cut at any moment.
 
