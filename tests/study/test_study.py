@@ -482,6 +482,17 @@ def test_a_folder_without_a_study_cannot_be_read(tmp_path):
         Study.read(tmp_path)
 
 
+def test_a_study_is_begun_when_something_is_in_it(tmp_path):
+    assert not is_begun(tmp_path)
+    (tmp_path / FILE).touch()
+    assert not is_begun(tmp_path)
+    Study.open(tmp_path, configure()).close()
+    assert is_begun(tmp_path)
+    (tmp_path / FILE).write_text("a shopping list")
+    with pytest.raises(StudyError, match="no database"):
+        is_begun(tmp_path)
+
+
 def test_a_path_that_cannot_be_a_folder_is_refused(tmp_path):
     (tmp_path / "file").touch()
     for folder in (tmp_path / "file", tmp_path / "file" / "below"):
