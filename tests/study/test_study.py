@@ -23,7 +23,7 @@ from hotlap.core.seeds import Stream
 from hotlap.race.race import JudgeSettings
 from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.study.configuration import Configuration, first_difference, load_configuration, pack_reference, unpack_reference
-from hotlap.study.database import FILE, Database
+from hotlap.study.database import FILE, Database, is_begun
 from hotlap.study.increments import grow
 from hotlap.study.study import Study, new_folder
 from hotlap.tuning.goal import parse_goal
