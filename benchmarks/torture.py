@@ -120,12 +120,15 @@ class Place:
         if warm.exists():
             shutil.copytree(warm, self.folder / "cache", copy_function=_link, ignore=shutil.ignore_patterns(*left_out))
 
-    def start(self) -> subprocess.Popen[bytes]:
-        """Begin, or go on."""
+    def environment(self) -> dict[str, str]:
+        """Of its commands."""
         cache = self.folder / "cache"
         cache.mkdir(mode=0o700, exist_ok=True)
-        environment = {**os.environ, "HOTLAP_CACHE": str(cache), "PYTHONFAULTHANDLER": "1"}
-        command = [*HOTLAP, *self.job.arguments.split(), "--out", str(self.out)]
+        return {**os.environ, "HOTLAP_CACHE": str(cache), "PYTHONFAULTHANDLER": "1"}
+
+    def start(self) -> subprocess.Popen[bytes]:
+        """Begin, or go on."""
+        command, environment = [*HOTLAP, *self.job.arguments.split(), "--out", str(self.out)], self.environment()
         with (self.folder / "said").open("wb") as said:
             return subprocess.Popen(
                 command,
@@ -277,7 +280,7 @@ def torment(place: Place, warm: Path, whole: Whole, fault: str, chance: random.R
         process.wait(LONGEST)
         complaint = _after(process, place, 0) or ("" if process.returncode in {0, 1, 2} else f"exit status {process.returncode}")
         grow(place.out)
-        return complaint or _ends_alike(place, whole)
+        return complaint or ends_alike(place, whole)
 
 
 def _struck(place: Place, whole: Whole, fault: str, chance: random.Random) -> str:
@@ -297,7 +300,7 @@ def _struck(place: Place, whole: Whole, fault: str, chance: random.Random) -> st
         return "hangs"
     if process.returncode not in {0, 1, *STATUSES[fault]}:
         return f"exit status {process.returncode}"
-    return _after(process, place, kept) or _ends_alike(place, whole)
+    return _after(process, place, kept) or ends_alike(place, whole)
 
 
 def _after(process: subprocess.Popen[bytes], place: Place, kept: int) -> str:
@@ -313,8 +316,8 @@ def _after(process: subprocess.Popen[bytes], place: Place, kept: int) -> str:
     return "" if left >= kept else f"{kept - left} of {kept} results are lost"
 
 
-def _ends_alike(place: Place, whole: Whole) -> str:
-    """What is wrong with the end of a job that goes on."""
+def ends_alike(place: Place, whole: Whole) -> str:
+    """What is wrong with the end of a job that goes on; "" where nothing is."""
     status = place.finish()
     if status != whole.status:
         return f"goes on to exit status {status}: {place.said()[-1500:]}"
