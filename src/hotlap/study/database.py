@@ -43,7 +43,7 @@ def is_begun(folder: Path) -> bool:
 
 
 class Database:
-    """An open file, with SQLite's default journal: consistent after a kill or a power cut at any moment, and whole up to the last transaction.
+    """An open file, with SQLite's default journal: whole up to the last transaction after a kill or a power cut.
 
     Args:
         folder: of the file.
