@@ -117,7 +117,9 @@ def test_what_is_needed_later_does_not_count():
         last = found.needed
     assert margin(race, REFERENCE, until=REFERENCE.duration).dump() == margin(race, REFERENCE).dump()
     assert last == whole.needed
-    half = [margin(race, REFERENCE, *parse_hold("sag=20%"), until=until).available for until in (REFERENCE.duration / 2, REFERENCE.duration)]
+    half = [
+        margin(race, REFERENCE, *parse_hold("sag=20%"), until=until).available for until in (REFERENCE.duration / 2, REFERENCE.duration)
+    ]
     assert half[0] > half[1], "a battery that is half empty by then"
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from flight.scenarios import GATE_TIMES, fly, make_scenario
 from hotlap.core.records import End
@@ -52,4 +51,5 @@ def test_flights_that_pass_all_gates_have_flown_all_of_it():
 def test_the_top_speed_is_that_of_what_was_flown():
     reference, found = SCENARIO.reference, where([1, 1, 0, 1, 1])
     assert found.top_speed(reference) < reference.max_speed
-    assert found.top_speed(reference) == pytest.approx(np.interp(GATE_TIMES[2], reference.times[:300], np.linalg.norm(reference.velocity[:300], axis=1)), rel=0.05)
+    speeds = np.linalg.norm(reference.velocity, axis=1)[reference.times <= GATE_TIMES[2]]
+    assert found.top_speed(reference) == speeds.max()

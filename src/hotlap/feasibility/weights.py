@@ -20,8 +20,9 @@ def suspect_weights(case: Case, parameters: Parameters) -> Suspicion:
     """
     signs, place = case.signs, case.where.name or "the end"
     found = f"{math.hypot(signs.along, signs.aside):.2f} m from the reference at {place}"
-    limited = [f"{name} at its limit" for name, share in (("thrust", signs.saturated), ("a body rate", signs.rates_limited)) if share > MOSTLY]
-    found += f", {' and '.join(limited)}" if limited else ", with thrust and rates within their limits"
+    shares = {"thrust": signs.saturated, "a body rate": signs.rates_limited}
+    limited = " and ".join(f"{name} at its limit" for name, share in shares.items() if share > MOSTLY)
+    found += f", {limited or 'with thrust and rates within their limits'}"
     return Suspicion(FailureCause.WEIGHTS, found, tuple(_others(case, parameters)))
 
 
@@ -30,7 +31,7 @@ def _others(case: Case, parameters: Parameters) -> Iterator[Cure]:
     space = case.scenario.space
     for k, name in enumerate(space.names):
         for factor, words in ((by, f"{how} by {size:g}") for size in FACTORS for by, how in ((size, "multiplied"), (1 / size, "divided"))):
-            others = parameters.copy()
+            others = parameters.astype(float)
             others[..., k] *= factor
             advice = f"tune further, from {name} {words} in all segments"
             yield Cure(advice, case.race, case.vehicle_parameters, parameters=space.clip(others))
