@@ -38,6 +38,8 @@ export interface Headline {
   readonly confirmed: boolean;
   readonly confirm: number;
   readonly kept?: Kept;
+  /** That the search kept what it began with, in words; pages of before do not say. */
+  readonly kept_guess?: string | null;
   readonly validation: Interval | null;
   readonly wall_time: number | null;
   readonly remark: string;

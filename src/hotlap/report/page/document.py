@@ -23,6 +23,7 @@ from hotlap.report.page.replay import BEST, DEFAULT, FIRST, Replay
 from hotlap.report.page.standing import dump_structures
 from hotlap.report.response import respond
 from hotlap.report.scene import Repeats, Trace
+from hotlap.study.kept_guess import find_kept_guess
 from hotlap.study.snapshot import Snapshot
 
 FORMAT = 1
@@ -52,7 +53,7 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
         "format": FORMAT,
         "kind": "study",
         "live": live,
-        "headline": _headline(snapshot),
+        "headline": _headline(snapshot, replay),
         "scenario": dump_scenario(snapshot.configuration.scenario),
         "traces": traces,
         "repeats": [] if replay is None else [dump_repeats(repeats) for repeats in replay.scene.repeats],
@@ -66,11 +67,12 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
     }
 
 
-def _headline(snapshot: Snapshot) -> dict[str, Any]:
+def _headline(snapshot: Snapshot, replay: Replay | None) -> dict[str, Any]:
     """The result in short: race, goal, lap time, gates passed, success rate."""
     asked, result = snapshot.configuration, snapshot.result
     race, settings = asked.scenario.race, asked.settings
     known = race.control_model.delay if race.controller.predict else 0.0
+    guess = find_kept_guess(asked, result, None if replay is None else replay.errors)
     return {
         "race": race.name,
         "vehicle": race.vehicle.name,
@@ -91,6 +93,7 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "confirmed": result is not None and result.best.confirmed,
         "confirm": settings.confirm,
         "kept": _kept(snapshot),
+        "kept_guess": None if guess is None else guess.words,
         "validation": None if result is None or result.validation is None else _validation(result.validation),
         "wall_time": None if result is None else number(result.wall_time),
         "remark": snapshot.remark,
