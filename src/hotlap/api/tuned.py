@@ -363,7 +363,7 @@ def _settings(asked: Asked, world: World) -> TuningSettings:
     if fewer:
         settings = replace(settings, **fewer)
         words = {"validation": "validated", "selection": "chosen where none is confirmed"}
-        told = ", ".join(f"{words[name]} by {few} flights (--{name})" for name, few in fewer.items())
+        told = ", ".join(f"{words[name]} by {few} flights ({name}=...)" for name, few in fewer.items())
         asked.progress.note(f"note: flights of {world.name} take their time, so the result is {told}")
     if not settings.minutes:
         return settings
