@@ -3,7 +3,6 @@ import type { App } from "../app";
 import type { Headline, ParameterSet, Sensitivity } from "../data";
 import type { Table } from "../table";
 import { card, h, renew, s } from "../dom";
-import { flat } from "../charts/sensitivity";
 import { digits, percent, symbol } from "../format";
 import { segmentSwitch } from "./segments";
 
@@ -58,8 +57,7 @@ interface Losses {
 function lossesOf(flown: Sensitivity | null): Losses | null {
   if (!flown) return null;
   const how = "when the value is multiplied by ¼ and by 4 (at most to its bounds) in this segment alone, the mean of both";
-  const none = Math.max(...flown.by_segment.values.map(Math.abs)) < 0.005;
-  if (!none || !flown.cost_by_segment || !flat(flown)) {
+  if (!flown.cost_by_segment || !flown.cost_tells_by_segment) {
     return { table: flown.by_segment, title: "gates lost if changed", write: (loss) => percent(loss).replace("-", "−"), share: (loss) => loss, explanation: `Gates lost ${how}; a minus: gates gained.` };
   }
   const table = flown.cost_by_segment;

@@ -37,6 +37,7 @@ SYMBOLS = {  # letters of the paper, where it has them
     "horizon": "T",
 }
 RULES = {GateRule.CLOCK: "clock", GateRule.OPENING: "opening"}
+TELLS = ("flat", "cost_tells", "cost_tells_by_segment")  # what of a sensitivity is shown
 STREAMS = {Stream.SEARCH: 0, Stream.CONFIRMATION: 1, Stream.VALIDATION: 2, Stream.SELECTION: 2}  # the page shows no flight of 2
 
 
@@ -177,7 +178,13 @@ def _sensitivity(replay: Replay | None, cost_name: str) -> dict[str, Any] | None
         return None
     found = replay.sensitivity
     arrays = {name: pack(getattr(found, name)) for name in ("completion", "complete", "by_segment", "cost", "cost_by_segment")}
-    return {"factors": found.factors.tolist(), "flights": found.flights, "cost_name": cost_name, **arrays}
+    return {
+        "factors": found.factors.tolist(),
+        "flights": found.flights,
+        "cost_name": cost_name,
+        **arrays,
+        **{name: getattr(found, name) for name in TELLS},
+    }
 
 
 def _configuration(snapshot: Snapshot) -> dict[str, Any]:
