@@ -47,10 +47,8 @@ def draw_transfer(folder: Path, race: str, rows: Sequence[TransferRow], prefix: 
 def error_boxes(race: str, rows: Sequence[TransferRow]) -> Figure:
     """Tracking error of all control steps of all flights: a box for each set of parameters in each world."""
     names, labels = _worlds(rows), _labels(rows)
-    title, detail = (
-        f"{race}: tracking error",
-        f"all control steps; box: quartiles and median, whiskers: 5 and 95 %, triangle: largest after {STARTING:g} s",
-    )
+    title = f"{race}: tracking error"
+    detail = f"all control steps; box: quartiles and median, whiskers: 5 and 95 %, triangle: largest after {STARTING:g} s"
     width = max(len(names) * (PAIR + FURTHER * max(len(labels) - 2, 0)), headline_width(title, detail, _key(labels)))
     figure = Figure(figsize=(LEFT + width + RIGHT, TOP + BOX_HEIGHT + BOTTOM))
     axes = place_axes(figure, LEFT, BOTTOM, width, BOX_HEIGHT)
