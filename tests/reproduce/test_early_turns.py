@@ -30,6 +30,6 @@ def test_the_words_have_the_figures_of_the_controller():
     scenario = prepare(_races(quick=True)["split-s"])
     page = Article("page")
     tell_early_turns(page, scenario, first_guess(scenario, DEFAULT), {})
-    text = page.markdown()
+    text = page.markdown
     assert "20 nodes over 2 s are 100 ms apart" in text
     assert "With 0.5 s the nodes are 25 ms apart" in text
