@@ -41,18 +41,18 @@ def test_calls_become_commands(said, typed):
 
 def test_no_message_outside_of_the_command_line_names_an_option():
     named = [
-        f"{path.relative_to(SOURCE)}:{node.lineno}: {node.value}"
+        f"{path.relative_to(SOURCE)}:{line}: {text}"
         for path in sorted(SOURCE.rglob("*.py"))
         if path.relative_to(SOURCE).parts[0] not in PROMPTS
-        for node in messages(ast.parse(path.read_text(encoding="utf-8")))
-        if " " in node.value and OPTIONS & set(re.findall(r"--[a-z-]+", node.value)) and COMMENT not in node.value
+        for line, text in messages(ast.parse(path.read_text(encoding="utf-8")))
+        if " " in text and OPTIONS & set(re.findall(r"--[a-z-]+", text)) and COMMENT not in text
     ]
     assert named == []
 
 
-def messages(tree: ast.AST) -> Iterator[ast.Constant]:
-    """All texts of a module that are no docstrings."""
+def messages(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """All texts of a module that are no docstrings, with their lines."""
     texts = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)}
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in texts:
-            yield node
+            yield node.lineno, node.value
