@@ -48,7 +48,7 @@ MORE = 1.05  # times what the search of the chosen plan has had, at least, for i
 FEWEST = 20  # flights of a plan beside its re-flights
 PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
 UNSEEN = 300_000  # first of the flights that tell whether parameters hold: nothing was chosen by their noise
-CHOOSES = "a calmer plan: where a race leaves planning.thrust_share out, hotlap tune chooses the boldest that its controller holds"
+CHOOSES = "a calmer plan: where a race leaves planning.thrust_share out, a tuning chooses the boldest that its controller holds"
 TOLD, TOLD_IN_SIMULATORS = 50, 10  # flights that tell how a plan fails
 
 Configure = Callable[[Race, TuningSettings], Configuration]

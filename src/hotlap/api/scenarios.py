@@ -55,7 +55,7 @@ def make_scenario(race: Race, asked: Asked, *, cache: bool = True) -> Scenario:
         asked.progress.note(f"note: {note}")
     if race.planning.free and reference is None:
         share = f"{100 * race.thrust_share:.0f} % of the thrust (planning.thrust_share)"
-        asked.progress.note(f"note: {race.name} fixes no plan: planned with {share}; hotlap tune chooses the boldest that holds")
+        asked.progress.note(f"note: {race.name} fixes no plan: planned with {share}; hotlap.tune() chooses the boldest that holds")
     return scenario
 
 
