@@ -1,0 +1,211 @@
+"""Evidence: a flight log laid out for a fit: inputs that are held, outputs by channel, and which samples count."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.core.errors import InputError
+from hotlap.core.records import Floats
+from hotlap.logs.flight_log import FlightLog, Signal
+from hotlap.race.race import PLANT_STEP
+
+Mask = NDArray[np.bool_]
+
+SHORTEST = 5.0  # s of a log
+FINEST = 200.0  # samples a second that are kept; more are averaged
+COARSEST = 20.0  # samples a second below which a rate loop cannot be seen
+GAP = 0.25  # s without a sample
+SETTLING = 0.5  # s after a gap, and after the start, that do not count
+MOST_RATE = 70.0  # rad/s: more are degrees a second
+MOST_FORCE = 300.0  # m/s^2
+
+
+@dataclass(frozen=True)
+class Held:
+    """A command that holds until the next one.
+
+    Attributes:
+        times: shape (N,) [s].
+        values: shape (N, D).
+    """
+
+    times: Floats
+    values: Floats
+
+    def means(self, edges: Floats, values: Floats | None = None) -> Floats:
+        """Means between edges, shape (len(edges) - 1, D); before the first sample and after the last these are held.
+
+        Args:
+            edges: [s], increasing.
+            values: in place of the own ones, shape (N, D).
+        """
+        held = self.values if values is None else values
+        spans = np.diff(self.times)
+        sums = np.vstack([np.zeros(held.shape[1]), np.cumsum(held[:-1] * spans[:, None], axis=0)])
+        ends = np.concatenate([[self.times[0] - 1e3], self.times, [self.times[-1] + 1e3]])
+        columns = []
+        for d in range(held.shape[1]):
+            total = np.concatenate([[-1e3 * held[0, d]], sums[:, d], [sums[-1, d] + 1e3 * held[-1, d]]])
+            columns.append(np.diff(np.interp(edges, ends, total)) / np.diff(edges))
+        return np.column_stack(columns)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One log, ready for a fit.
+
+    Attributes:
+        name: of the log.
+        grid: shape (N + 1,) [s] edges of the steps of the plant.
+        rate_command: [rad/s].
+        thrust_command: with the battery's voltage beside it, [-] and [V]; None where the log has none.
+        rates: what the gyroscope measured.
+        force: specific force [m/s^2] (body); None where the log has none, or no thrust.
+        velocity: [m/s] (world), where the force is not measured.
+        rotations: shape (N + 1, 3, 3) from body to world at the edges; None where the log has no attitude.
+        air: shape (N + 1, 3) [m/s] velocity (body); None where the log has none.
+        counts: for rates, force and velocity, which samples count.
+    """
+
+    name: str
+    grid: Floats
+    rate_command: Held
+    thrust_command: Held | None
+    rates: Signal
+    force: Signal | None
+    velocity: Signal | None
+    rotations: Floats | None
+    air: Floats | None
+    counts: dict[str, Mask]
+
+    @property
+    def has_battery(self) -> bool:
+        """Whether the battery's voltage is known."""
+        return self.thrust_command is not None and bool(np.isfinite(self.thrust_command.values[:, 1]).all())
+
+    @property
+    def output(self) -> Signal | None:
+        """What tells of forces."""
+        return self.force or self.velocity
+
+
+def lay_out(log: FlightLog) -> Evidence:
+    """A log, checked and laid out.
+
+    Raises:
+        InputError: it lacks what no identification can do without, or cannot be right.
+    """
+    _check(log)
+    signals = log.signals
+    needed = [signals[name] for name in ("rates", "rate_command", "thrust_command") if name in signals]
+    start, end = max(one.times[0] for one in needed), min(one.times[-1] for one in needed)
+    if end - start < SHORTEST:
+        raise InputError(log.name, "", f"{max(end - start, 0.0):.1f} s with commands and rates; at least {SHORTEST:g} s are needed")
+    grid = start + PLANT_STEP * np.arange(round((end - start) / PLANT_STEP) + 1)
+    rotations, air = _motion(signals, grid)
+    rates, command = _within(signals["rates"], grid), _held(signals["rate_command"])
+    force = velocity = None
+    if "thrust_command" in signals:
+        if "acceleration" in signals:
+            force = _within(signals["acceleration"], grid)
+        elif rotations is not None and "velocity" in signals:
+            velocity = _within(signals["velocity"], grid)
+    outputs = {"rates": rates, "force": force, "velocity": velocity}
+    gaps = np.concatenate([_gaps(signals[name]) for name in ("rates", "rate_command")] + [np.array([[start, start]])])
+    counts = {name: _counting(one, gaps) for name, one in outputs.items() if one is not None}
+    return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts)
+
+
+def _check(log: FlightLog) -> None:
+    """Refuse a log that cannot be used."""
+    for name, what in (("rates", "no body rates: a gyroscope's log is needed"), ("rate_command", "no commanded body rates")):
+        if name not in log.signals:
+            raise InputError(log.name, name, f"is missing: {what}")
+        signal = log.signals[name]
+        if signal.values.shape[1] != 3:
+            raise InputError(log.name, name, f"has {signal.values.shape[1]} axes, not 3")
+        if len(signal.times) < 2 or signal.rate < COARSEST:
+            raise InputError(log.name, name, f"has {signal.rate:.3g} samples a second; at least {COARSEST:g} are needed")
+        largest = float(np.percentile(np.abs(signal.values), 99))
+        if largest > MOST_RATE:
+            raise InputError(log.name, name, f"reaches {largest:.0f} rad/s: is it in degrees a second?")
+    for name, signal in log.signals.items():
+        if not np.isfinite(signal.values).all() or (np.diff(signal.times) <= 0).any():
+            raise InputError(log.name, name, "has values that are not finite, or times that do not increase")
+    if "thrust_command" in log.signals:
+        thrust = log.signals["thrust_command"].values
+        if thrust.max() > 1.5 or thrust.min() < -0.5:
+            raise InputError(log.name, "thrust_command", f"is from {thrust.min():.3g} to {thrust.max():.3g}, not from 0 to 1")
+    if "acceleration" in log.signals:
+        force = float(np.median(np.linalg.norm(log.signals["acceleration"].values, axis=1)))
+        if not 3.0 < force < MOST_FORCE:
+            raise InputError(log.name, "acceleration", f"is {force:.3g} m/s^2 in the median, not about 10: is it in g, or without gravity?")
+
+
+def _held(signal: Signal) -> Held:
+    return Held(signal.times, signal.values)
+
+
+def _thrust(signals: Any) -> Held | None:
+    """Thrust with voltage."""
+    if "thrust_command" not in signals:
+        return None
+    thrust = signals["thrust_command"]
+    voltage = np.full(len(thrust.times), np.nan)
+    if "battery" in signals:
+        battery = signals["battery"]
+        voltage = np.interp(thrust.times, battery.times, battery.values[:, 0])
+    return Held(thrust.times, np.column_stack([thrust.values[:, 0], voltage]))
+
+
+def _within(signal: Signal, grid: Floats) -> Signal:
+    """The samples within the grid, averaged where there are more than needed."""
+    inside = (signal.times >= grid[0]) & (signal.times <= grid[-1])
+    times, values = signal.times[inside], signal.values[inside]
+    every = max(int(signal.rate / FINEST + 1e-6), 1)
+    if every > 1:
+        whole = len(times) // every * every
+        times = times[:whole].reshape(-1, every).mean(axis=1)
+        values = values[:whole].reshape(-1, every, values.shape[1]).mean(axis=1)
+    return Signal(times, values)
+
+
+def _motion(signals: Any, grid: Floats) -> tuple[Floats | None, Floats | None]:
+    """Attitudes as matrices, and velocities in the body, at the edges of the grid."""
+    if "attitude" not in signals:
+        return None, None
+    attitude = signals["attitude"]
+    turned = np.cumprod(np.where(np.concatenate([[1.0], (attitude.values[1:] * attitude.values[:-1]).sum(axis=1)]) < 0, -1.0, 1.0))
+    q = Signal(attitude.times, attitude.values * turned[:, None]).at(np.clip(grid, attitude.times[0], attitude.times[-1]))
+    w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
+    rotations = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    ).transpose(2, 0, 1)
+    if "velocity" not in signals:
+        return rotations, None
+    velocity = signals["velocity"]
+    world = velocity.at(np.clip(grid, velocity.times[0], velocity.times[-1]))
+    return rotations, np.einsum("kji,kj->ki", rotations, world)
+
+
+def _gaps(signal: Signal) -> Floats:
+    """Begin and end of each gap, shape (G, 2)."""
+    spans = np.diff(signal.times)
+    k = np.flatnonzero(spans > max(GAP, 5 * float(np.median(spans))))
+    return np.column_stack([signal.times[k], signal.times[k + 1]])
+
+
+def _counting(signal: Signal, gaps: Floats) -> Mask:
+    """Samples that are neither in a gap nor soon after one."""
+    counts = np.ones(len(signal.times), dtype=bool)
+    for begin, end in gaps:
+        counts &= ~((signal.times >= begin) & (signal.times < end + SETTLING))
+    return counts
