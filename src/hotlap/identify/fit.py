@@ -1,0 +1,196 @@
+"""Fit: the numbers with which the model's outputs come nearest to the log's, and how far each can be off.
+
+Output error by least squares: the model flies the commands alone, so that no measured noise enters as a regressor. The residuals are
+correlated in time, so the covariance is a sandwich (White 1980; Newey and West 1987): H^-1 S H^-1, with S the long-run covariance of the
+scores by Bartlett's kernel; critical values are those of Kiefer and Vogelsang (2005), which count the width of the kernel. A few seconds of
+manoeuvres give few scores, so that no interval is narrower than with white residuals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from hotlap.core.records import Floats
+from hotlap.identify.model import Model
+from hotlap.identify.unknowns import Unknown, starts
+
+Mask = NDArray[np.bool_]
+Said = Callable[[str], None]
+
+FIRST_SCALE = {"rates": 0.1, "force": 1.0, "velocity": 0.1}  # of what is left, before anything is fitted
+LEAST_SCALE = 1e-4
+STEP = 1e-4  # of finite differences
+ROUNDS, EVALUATIONS = 3, 12  # of weights; of the outputs in each
+OUTLIER = 6.0  # standard deviations, by the median
+BIN, KERNEL = 0.02, 2.0  # s: over which scores are summed, and over which they may be correlated
+DELAYS = tuple(0.01 * k for k in range(21))  # s that are tried first
+GAINS = (0.3, 1.0, 3.0)  # times the gain of the base
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Numbers with their covariance.
+
+    Attributes:
+        unknowns: P of them.
+        theta: shape (P,) as counted: logarithms where an unknown is one.
+        covariance: shape (P, P).
+        critical: half width of an interval over the standard deviation.
+        scales: root mean square of what is left, by channel, shape (3,) each.
+    """
+
+    unknowns: tuple[Unknown, ...]
+    theta: Floats
+    covariance: Floats
+    critical: float
+    scales: dict[str, Floats]
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Values by name, logarithms undone."""
+        return numbers_of(self.unknowns, self.theta)
+
+    def error(self, name: str) -> float:
+        """Half width of the 95 % interval, as counted."""
+        k = [one.name for one in self.unknowns].index(name)
+        return self.critical * math.sqrt(max(float(self.covariance[k, k]), 0.0))
+
+
+def numbers_of(unknowns: Sequence[Unknown], theta: Floats) -> dict[str, float]:
+    """Values by name, logarithms undone."""
+    return {one.name: math.exp(value) if one.is_log else float(value) for one, value in zip(unknowns, theta, strict=True)}
+
+
+def search(models: Sequence[Model], unknowns: Sequence[Unknown]) -> dict[str, float]:
+    """Where to begin: the thrust that hovers, and the dead time and rate gains that come nearest, by trying.
+
+    Returns:
+        Starts by name, as counted.
+    """
+    found = {one.name: one.start for one in unknowns}
+    throttles = [m.evidence.thrust_command.values[:, 0] for m in models if m.evidence.thrust_command is not None]
+    if throttles:
+        hover = max(float(np.median(np.concatenate(throttles))), 0.02)
+        curve = (1 - found["curvature"]) * hover + found["curvature"] * hover**2
+        found["full"] = math.log(models[0].base.gravity / curve)
+    tried = []
+    for gain in GAINS:
+        for delay in DELAYS:
+            theta = {**found, "delay": delay}
+            theta |= {name: found[name] + math.log(gain) for name in ("gain_x", "gain_y", "gain_z")}
+            numbers = numbers_of(unknowns, np.array([theta[one.name] for one in unknowns]))
+            cost = sum(float((m.left(numbers)["rates"][m.evidence.counts["rates"]] ** 2).sum()) for m in models)
+            tried.append((cost, theta))
+    return min(tried, key=lambda one: one[0])[1]
+
+
+class _Problem:
+    """Weighted residuals of all logs, and their derivatives."""
+
+    def __init__(self, models: Sequence[Model], unknowns: Sequence[Unknown], counts: Sequence[dict[str, Mask]]) -> None:
+        self.models, self.unknowns, self.counts = models, unknowns, list(counts)
+        self.scales = {name: np.full(3, scale) for name, scale in FIRST_SCALE.items()}
+        self._start, self._belief = starts(unknowns), np.array([one.belief for one in unknowns])
+
+    def residuals(self, theta: Floats) -> Floats:
+        """All that is left, then how far theta is from what was believed."""
+        numbers, parts = numbers_of(self.unknowns, theta), []
+        for model, counts in zip(self.models, self.counts, strict=True):
+            for name, left in model.left(numbers).items():
+                parts.append((left[counts[name]] / self.scales[name]).ravel())
+        return np.concatenate([*parts, (theta - self._start) / self._belief])
+
+    def jacobian(self, theta: Floats) -> Floats:
+        """Derivatives by forward differences; backward at an upper bound."""
+        before = self.residuals(theta)
+        columns = []
+        for k, one in enumerate(self.unknowns):
+            step = STEP if theta[k] + STEP <= one.high else -STEP
+            changed = theta.copy()
+            changed[k] += step
+            columns.append((self.residuals(changed) - before) / step)
+        return np.column_stack(columns)
+
+    def reweigh(self, theta: Floats) -> None:
+        """Take the weights from what is left, and leave out what lies far outside."""
+        numbers, gathered = numbers_of(self.unknowns, theta), dict[str, list[Floats]]()
+        for k, model in enumerate(self.models):
+            for name, left in model.left(numbers).items():
+                spread = 1.4826 * np.median(np.abs(left[self.counts[k][name]]), axis=0) + LEAST_SCALE
+                within = (np.abs(left) < OUTLIER * np.maximum(spread, 0.5 * self.scales[name])).all(axis=1)
+                gathered.setdefault(name, []).append(left[self.counts[k][name] & within])
+        for name, parts in gathered.items():
+            self.scales[name] = np.sqrt(np.mean(np.vstack(parts) ** 2, axis=0)) + LEAST_SCALE
+
+    def scores(self, theta: Floats, jacobian: Floats, residuals: Floats) -> list[Floats]:
+        """Sums of derivative times residual over short times, shape (bins, P) of each log."""
+        found, at = [], 0
+        for model, counts in zip(self.models, self.counts, strict=True):
+            begin = model.evidence.grid[0]
+            sums = np.zeros((int((model.evidence.grid[-1] - begin) / BIN) + 1, len(self.unknowns)))
+            signals = {"rates": model.evidence.rates, "force": model.evidence.force, "velocity": model.evidence.velocity}
+            for name, signal in signals.items():
+                if signal is None or name not in counts:
+                    continue
+                times = np.repeat(signal.times[counts[name]], 3)
+                rows = slice(at, at + len(times))
+                bins = np.clip(((times - begin) / BIN).astype(np.int64), 0, len(sums) - 1)
+                np.add.at(sums, bins, jacobian[rows] * residuals[rows, None])
+                at += len(times)
+            found.append(sums)
+        return found
+
+
+def fit(
+    models: Sequence[Model], unknowns: Sequence[Unknown], theta: Floats, counts: Sequence[dict[str, Mask]], say: Said, rounds: int = ROUNDS
+) -> Fit:
+    """Fit all unknowns to all logs.
+
+    Args:
+        models: one of each log.
+        unknowns: P of them; what is believed before is their starts.
+        theta: shape (P,) where to begin.
+        counts: which samples count, by channel, of each log.
+        say: told what is done.
+        rounds: of weights.
+    """
+    problem = _Problem(models, unknowns, counts)
+    bounds = np.array([one.low for one in unknowns]), np.array([one.high for one in unknowns])
+    for k in range(rounds):
+        problem.reweigh(theta)
+        theta = np.clip(theta, bounds[0] + 1e-9, bounds[1] - 1e-9)
+        found = least_squares(problem.residuals, theta, problem.jacobian, bounds, x_scale="jac", max_nfev=EVALUATIONS, ftol=1e-6, xtol=1e-6)
+        theta = found.x
+        say(f"round {k + 1}")
+    problem.reweigh(theta)
+    residuals, jacobian = problem.residuals(theta), problem.jacobian(theta)
+    bread = np.linalg.inv(jacobian.T @ jacobian)
+    scores = problem.scores(theta, jacobian, residuals)
+    believed = np.diag(np.array([one.belief for one in unknowns]) ** -2.0)
+    sandwich = bread @ (sum(_long_run(one) for one in scores) + believed) @ bread
+    white = np.maximum(np.diag(bread), np.diag(sandwich))
+    spread = np.sqrt(white / np.diag(sandwich))
+    share = KERNEL / sum(BIN * len(one) for one in scores)
+    return Fit(tuple(unknowns), theta, sandwich * np.outer(spread, spread), _critical(share), problem.scales)
+
+
+def _long_run(scores: Floats) -> Floats:
+    """Long-run covariance of the sum of scores, shape (P, P), by Bartlett's kernel."""
+    most = min(int(KERNEL / BIN), len(scores) - 1)
+    total = scores.T @ scores
+    for lag in range(1, most):
+        crossed = scores[lag:].T @ scores[:-lag]
+        total += (1 - lag / most) * (crossed + crossed.T)
+    return np.asarray(total)
+
+
+def _critical(share: float) -> float:
+    """Critical value of a 95 % interval for a kernel that is so long a share of the data (Kiefer and Vogelsang 2005, Table 1)."""
+    b = min(share, 1.0)
+    return 1.96 + 2.9694 * b + 0.4160 * b**2 - 0.5324 * b**3
