@@ -110,9 +110,10 @@ class Model:
             outputs["force"] = self.force(numbers, rows) + self._bias("accelerometer", numbers)
             found["force"] = self.evidence.force
         elif self.evidence.velocity is not None and self.evidence.rotations is not None:
-            world = np.einsum("kij,kj->ki", self.evidence.rotations, self.force(numbers, rows)) - [0, 0, self.base.gravity]
-            steps = PLANT_STEP / 2 * (world[1:] + world[:-1])
-            outputs["velocity"] = np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
+            force, rotations = self.force(numbers, rows), self.evidence.rotations
+            force[1:, :2] = (force[1:, :2] + force[:-1, :2]) / 2  # drag of the mean velocity; thrust acts as it is after a step
+            steps = np.einsum("kij,kj->ki", (rotations[1:] + rotations[:-1]) / 2, force[1:]) - [0, 0, self.base.gravity]
+            outputs["velocity"] = np.vstack([np.zeros(3), np.cumsum(PLANT_STEP * steps, axis=0)])
             found["velocity"] = self.evidence.velocity
         return {name: _at(self.evidence.grid, rows, found[name].times) for name, rows in outputs.items()}
 
