@@ -9,7 +9,7 @@ manoeuvres give few scores, so that no interval is narrower than with white resi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,6 @@ from hotlap.identify.model import Model
 from hotlap.identify.unknowns import Unknown, starts
 
 Mask = NDArray[np.bool_]
-Said = Callable[[str], None]
 
 FIRST_SCALE = {"rates": 0.1, "force": 1.0, "velocity": 0.1}  # of what is left, before anything is fitted
 LEAST_SCALE = 1e-4
@@ -77,7 +76,8 @@ def search(models: Sequence[Model], unknowns: Sequence[Unknown]) -> dict[str, fl
     throttles = [m.evidence.thrust_command.values[:, 0] for m in models if m.evidence.thrust_command is not None]
     if throttles:
         hover = max(float(np.median(np.concatenate(throttles))), 0.02)
-        curve = (1 - found["curvature"]) * hover + found["curvature"] * hover**2
+        c = found.get("curvature", 0.0)
+        curve = (1 - c) * hover + c * hover**2
         found["full"] = math.log(models[0].base.gravity / curve)
     tried = []
     for gain in GAINS:
@@ -148,7 +148,7 @@ class _Problem:
 
 
 def fit(
-    models: Sequence[Model], unknowns: Sequence[Unknown], theta: Floats, counts: Sequence[dict[str, Mask]], say: Said, rounds: int = ROUNDS
+    models: Sequence[Model], unknowns: Sequence[Unknown], theta: Floats, counts: Sequence[dict[str, Mask]], rounds: int = ROUNDS
 ) -> Fit:
     """Fit all unknowns to all logs.
 
@@ -157,17 +157,15 @@ def fit(
         unknowns: P of them; what is believed before is their starts.
         theta: shape (P,) where to begin.
         counts: which samples count, by channel, of each log.
-        say: told what is done.
         rounds: of weights.
     """
     problem = _Problem(models, unknowns, counts)
     bounds = np.array([one.low for one in unknowns]), np.array([one.high for one in unknowns])
-    for k in range(rounds):
+    for _ in range(rounds):
         problem.reweigh(theta)
         theta = np.clip(theta, bounds[0] + 1e-9, bounds[1] - 1e-9)
         found = least_squares(problem.residuals, theta, problem.jacobian, bounds, x_scale="jac", max_nfev=EVALUATIONS, ftol=1e-6, xtol=1e-6)
         theta = found.x
-        say(f"round {k + 1}")
     problem.reweigh(theta)
     residuals, jacobian = problem.residuals(theta), problem.jacobian(theta)
     bread = np.linalg.inv(jacobian.T @ jacobian)

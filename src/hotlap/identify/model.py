@@ -9,8 +9,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.signal import lfilter
@@ -21,6 +22,7 @@ from hotlap.identify.replay import RATES, ROOTS, THRUST, replay
 from hotlap.identify.unknowns import AXES, BATTERY_POWER, SIMULATED
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import PLANT_STEP
+from hotlap.race.rate_loop import RateLoop
 
 WASHOUT = 1.0  # s after which errors of a velocity are forgotten, with those of the attitude that cause them
 SETTLED = 10  # samples whose mean is where a velocity begins
@@ -38,18 +40,29 @@ def with_numbers(base: Quadrotor, numbers: Numbers) -> Quadrotor:
     """
     most = numbers["full"] * base.mass / base.rotor_count
     half = math.sqrt(numbers["lag_ratio"])
-    change = {
+    change: dict[str, Any] = {
         "rotor_thrust": (min(base.rotor_thrust[0], RUN_UP * most), most),
         "motor_time": (numbers["lag"] / half, numbers["lag"] * half),
-        "rate_gain": tuple(numbers[f"gain_{axis}"] for axis in AXES),
         "inflow": 0.0,
     }
+    gains = tuple(numbers[f"gain_{axis}"] for axis in AXES)
+    if base.rate_loop is None:
+        change["rate_gain"] = gains
+    else:
+        change["rate_loop"] = scaled(base.rate_loop, [gain / own for gain, own in zip(gains, base.rate_gain, strict=True)])
     return base.model_copy(update=change)
+
+
+def scaled(loop: RateLoop, factors: Sequence[float]) -> RateLoop:
+    """A rate loop with all gains of each axis multiplied."""
+    parts = {name: tuple(np.multiply(getattr(loop, name), factors).tolist()) for name in ("p", "i", "d")}
+    return loop.model_copy(update=parts)
 
 
 def thrust_map(numbers: Numbers, throttle: Floats, voltage_share: Floats | float = 1.0) -> Floats:
     """Thrust per mass [m/s^2] of a throttle from 0 to 1, at a share of the reference voltage."""
-    curve = (1 - numbers["curvature"]) * throttle + numbers["curvature"] * throttle**2
+    c = numbers.get("curvature", 0.0)
+    curve = (1 - c) * throttle + c * throttle**2
     return np.asarray(numbers["full"] * curve * voltage_share ** numbers.get("battery", BATTERY_POWER), dtype=np.float64)
 
 

@@ -39,15 +39,20 @@ class Unknown:
     high: float = math.inf
 
 
-def unknowns_of(base: Quadrotor, evidence: Sequence[Evidence], quadratic: Sequence[str] = ()) -> tuple[Unknown, ...]:
+def unknowns_of(
+    base: Quadrotor, evidence: Sequence[Evidence], quadratic: Sequence[str] = (), *, straight: bool = False
+) -> tuple[Unknown, ...]:
     """What is looked for in logs.
 
     Args:
         base: the vehicle that it is believed to be.
         evidence: of its logs.
         quadratic: axes along which drag grows with the square of the speed, besides.
+        straight: whether thrust is known to be proportional to its command.
     """
-    found = [Unknown("full", math.log(base.max_acceleration), 2.0, is_log=True), Unknown("curvature", 0.3, 1.0)]
+    found = [Unknown("full", math.log(base.max_acceleration), 2.0, is_log=True)]
+    if not straight:
+        found.append(Unknown("curvature", 0.3, 1.0))
     if any(one.has_battery for one in evidence):
         found.append(Unknown("battery", BATTERY_POWER, 1.0))
     up, down = (max(time, LEAST_LAG) for time in base.motor_time)
