@@ -12,7 +12,7 @@ import numpy as np
 from hotlap.core.records import Floats
 from hotlap.core.shown import Shown
 from hotlap.identify.evidence import Evidence
-from hotlap.identify.fit import Fit, numbers_of
+from hotlap.identify.fit import NORMAL, Fit, numbers_of
 from hotlap.identify.manoeuvre import WORDS
 from hotlap.identify.model import Numbers, thrust_map
 from hotlap.identify.unknowns import AXES
@@ -95,7 +95,7 @@ def _estimate(asked: _Asked, fit: Fit, evidence: Sequence[Evidence]) -> Estimate
         moved = fit.theta.copy()
         moved[k] += STEP
         slope[k] = (counted(asked.of(numbers_of(fit.unknowns, moved))) - counted(value)) / STEP
-    half = fit.critical * math.sqrt(max(float(slope @ fit.covariance @ slope), 0.0))
+    half = NORMAL * math.sqrt(max(float(slope @ fit.covariance @ slope), 0.0))
     low, high = (counted(value) - half, counted(value) + half)
     if asked.is_log:
         low, high = math.exp(low), math.exp(min(high, 50.0))

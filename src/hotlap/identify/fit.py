@@ -2,8 +2,8 @@
 
 Output error by least squares: the model flies the commands alone, so that no measured noise enters as a regressor. The residuals are
 correlated in time, so the covariance is a sandwich (White 1980; Newey and West 1987): H^-1 S H^-1, with S the long-run covariance of the
-scores by Bartlett's kernel; critical values are those of Kiefer and Vogelsang (2005), which count the width of the kernel. A few seconds of
-manoeuvres give few scores, so that no interval is narrower than with white residuals.
+scores by Bartlett's kernel, and Student's t in place of the normal distribution where few stretches of the log tell of an unknown. No
+interval is narrower than with white residuals.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from scipy.stats import t as student
 
 from hotlap.core.records import Floats
 from hotlap.identify.model import Model
@@ -24,6 +25,8 @@ Mask = NDArray[np.bool_]
 
 FIRST_SCALE = {"rates": 0.1, "force": 1.0, "velocity": 0.1}  # of what is left, before anything is fitted
 LEAST_SCALE = 1e-4
+NORMAL = 1.96  # standard deviations of a 95 % interval
+LARGEST = 12.0  # of a logarithm
 STEP = 1e-4  # of finite differences
 ROUNDS, EVALUATIONS = 3, 12  # of weights; of the outputs in each
 OUTLIER = 6.0  # standard deviations, by the median
@@ -40,14 +43,12 @@ class Fit:
         unknowns: P of them.
         theta: shape (P,) as counted: logarithms where an unknown is one.
         covariance: shape (P, P).
-        critical: half width of an interval over the standard deviation.
         scales: root mean square of what is left, by channel, shape (3,) each.
     """
 
     unknowns: tuple[Unknown, ...]
     theta: Floats
     covariance: Floats
-    critical: float
     scales: dict[str, Floats]
 
     @property
@@ -58,12 +59,13 @@ class Fit:
     def error(self, name: str) -> float:
         """Half width of the 95 % interval, as counted."""
         k = [one.name for one in self.unknowns].index(name)
-        return self.critical * math.sqrt(max(float(self.covariance[k, k]), 0.0))
+        return NORMAL * math.sqrt(max(float(self.covariance[k, k]), 0.0))
 
 
 def numbers_of(unknowns: Sequence[Unknown], theta: Floats) -> dict[str, float]:
     """Values by name, logarithms undone."""
-    return {one.name: math.exp(value) if one.is_log else float(value) for one, value in zip(unknowns, theta, strict=True)}
+    pairs = zip(unknowns, theta.tolist(), strict=True)
+    return {one.name: math.exp(min(max(value, -LARGEST), LARGEST)) if one.is_log else value for one, value in pairs}
 
 
 def search(models: Sequence[Model], unknowns: Sequence[Unknown]) -> dict[str, float]:
@@ -107,14 +109,13 @@ class _Problem:
         return np.concatenate([*parts, (theta - self._start) / self._belief])
 
     def jacobian(self, theta: Floats) -> Floats:
-        """Derivatives by forward differences; backward at an upper bound."""
+        """Derivatives by forward differences."""
         before = self.residuals(theta)
         columns = []
-        for k, one in enumerate(self.unknowns):
-            step = STEP if theta[k] + STEP <= one.high else -STEP
+        for k in range(len(self.unknowns)):
             changed = theta.copy()
-            changed[k] += step
-            columns.append((self.residuals(changed) - before) / step)
+            changed[k] += STEP
+            columns.append((self.residuals(changed) - before) / STEP)
         return np.column_stack(columns)
 
     def reweigh(self, theta: Floats) -> None:
@@ -128,19 +129,19 @@ class _Problem:
         for name, parts in gathered.items():
             self.scales[name] = np.sqrt(np.mean(np.vstack(parts) ** 2, axis=0)) + LEAST_SCALE
 
-    def scores(self, theta: Floats, jacobian: Floats, residuals: Floats) -> list[Floats]:
-        """Sums of derivative times residual over short times, shape (bins, P) of each log."""
+    def scores(self, jacobian: Floats, residuals: Floats, length: float = BIN) -> list[Floats]:
+        """Sums of derivative times residual over times of a length [s], shape (bins, P) of each log."""
         found, at = [], 0
         for model, counts in zip(self.models, self.counts, strict=True):
             begin = model.evidence.grid[0]
-            sums = np.zeros((int((model.evidence.grid[-1] - begin) / BIN) + 1, len(self.unknowns)))
+            sums = np.zeros((int((model.evidence.grid[-1] - begin) / length) + 1, len(self.unknowns)))
             signals = {"rates": model.evidence.rates, "force": model.evidence.force, "velocity": model.evidence.velocity}
             for name, signal in signals.items():
                 if signal is None or name not in counts:
                     continue
                 times = np.repeat(signal.times[counts[name]], 3)
                 rows = slice(at, at + len(times))
-                bins = np.clip(((times - begin) / BIN).astype(np.int64), 0, len(sums) - 1)
+                bins = np.clip(((times - begin) / length).astype(np.int64), 0, len(sums) - 1)
                 np.add.at(sums, bins, jacobian[rows] * residuals[rows, None])
                 at += len(times)
             found.append(sums)
@@ -160,22 +161,31 @@ def fit(
         rounds: of weights.
     """
     problem = _Problem(models, unknowns, counts)
-    bounds = np.array([one.low for one in unknowns]), np.array([one.high for one in unknowns])
     for _ in range(rounds):
         problem.reweigh(theta)
-        theta = np.clip(theta, bounds[0] + 1e-9, bounds[1] - 1e-9)
-        found = least_squares(problem.residuals, theta, problem.jacobian, bounds, x_scale="jac", max_nfev=EVALUATIONS, ftol=1e-6, xtol=1e-6)
-        theta = found.x
+        kept = {"method": "lm", "x_scale": "jac", "max_nfev": EVALUATIONS, "ftol": 1e-6, "xtol": 1e-6}
+        theta = least_squares(problem.residuals, theta, problem.jacobian, **kept).x
     problem.reweigh(theta)
     residuals, jacobian = problem.residuals(theta), problem.jacobian(theta)
     bread = np.linalg.inv(jacobian.T @ jacobian)
-    scores = problem.scores(theta, jacobian, residuals)
+    scores = problem.scores(jacobian, residuals)
     believed = np.diag(np.array([one.belief for one in unknowns]) ** -2.0)
     sandwich = bread @ (sum(_long_run(one) for one in scores) + believed) @ bread
-    white = np.maximum(np.diag(bread), np.diag(sandwich))
-    spread = np.sqrt(white / np.diag(sandwich))
-    share = KERNEL / sum(BIN * len(one) for one in scores)
-    return Fit(tuple(unknowns), theta, sandwich * np.outer(spread, spread), _critical(share), problem.scales)
+    wide = _widening(problem, jacobian @ bread)
+    wanted = np.maximum(np.diag(bread), np.diag(sandwich) * wide**2)
+    spread = np.sqrt(wanted / np.diag(sandwich))
+    return Fit(tuple(unknowns), theta, sandwich * np.outer(spread, spread), problem.scales)
+
+
+def _widening(problem: _Problem, influence: Floats) -> Floats:
+    """By how much intervals are wider than normal ones because few stretches of a log tell of an unknown, shape (P,).
+
+    Student's t with as many degrees of freedom as stretches tell of it alike: the participation ratio of their shares, less one.
+    """
+    total = np.vstack(problem.scores(influence**2, np.ones(len(influence)), KERNEL))
+    alike = total.sum(axis=0) ** 2 / (total**2).sum(axis=0)
+    freedom = np.maximum(alike - 1, 2.0)
+    return np.asarray(student.ppf(0.975, freedom) / NORMAL)
 
 
 def _long_run(scores: Floats) -> Floats:
@@ -187,8 +197,3 @@ def _long_run(scores: Floats) -> Floats:
         total += (1 - lag / most) * (crossed + crossed.T)
     return np.asarray(total)
 
-
-def _critical(share: float) -> float:
-    """Critical value of a 95 % interval for a kernel that is so long a share of the data (Kiefer and Vogelsang 2005, Table 1)."""
-    b = min(share, 1.0)
-    return 1.96 + 2.9694 * b + 0.4160 * b**2 - 0.5324 * b**3

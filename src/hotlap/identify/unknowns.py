@@ -15,7 +15,6 @@ from hotlap.race.quadrotor import Quadrotor
 AXES = ("x", "y", "z")
 BATTERY_POWER = 2.0  # of the voltage, with which thrust goes where nothing regulates the motors
 LEAST_LAG = 1e-3  # s
-MOST_DELAY = 0.25  # s
 SIMULATED = ("full", "curvature", "battery", "lag", "lag_ratio", "gain_x", "gain_y", "gain_z", "delay")  # a change needs a replay
 
 
@@ -28,15 +27,12 @@ class Unknown:
         start: with which the fit begins; a logarithm where `is_log`.
         belief: standard deviation around the start that is believed before; weak, so that only what a log says nothing about feels it.
         is_log: whether the logarithm is fitted.
-        low, high: bounds.
     """
 
     name: str
     start: float
     belief: float
     is_log: bool = False
-    low: float = -math.inf
-    high: float = math.inf
 
 
 def unknowns_of(
@@ -56,10 +52,10 @@ def unknowns_of(
     if any(one.has_battery for one in evidence):
         found.append(Unknown("battery", BATTERY_POWER, 1.0))
     up, down = (max(time, LEAST_LAG) for time in base.motor_time)
-    found.append(Unknown("lag", math.log(up * down) / 2, 1.5, is_log=True, low=math.log(LEAST_LAG / 5)))
-    found.append(Unknown("lag_ratio", math.log(down / up), 0.7, is_log=True, low=-3.0, high=3.0))
+    found.append(Unknown("lag", math.log(up * down) / 2, 1.5, is_log=True))
+    found.append(Unknown("lag_ratio", math.log(down / up), 0.7, is_log=True))
     found += [Unknown(f"gain_{axis}", math.log(gain), 2.0, is_log=True) for axis, gain in zip(AXES, base.rate_gain, strict=True)]
-    found.append(Unknown("delay", base.delay, 0.2, low=0.0, high=MOST_DELAY))
+    found.append(Unknown("delay", base.delay, 0.2))
     if any(one.output is not None and one.air is not None for one in evidence):
         found += _drags(base, quadratic)
     for k, one in enumerate(evidence):
