@@ -21,7 +21,7 @@ from hotlap.logs.hotlap_csv import FULL_THRUST
 from hotlap.race.quadrotor import Quadrotor
 
 STAGES = 4  # that are told
-SURE = 1.5  # intervals from 0, from which on a quadratic drag is taken to be one
+SURE = 2.5  # intervals from 0, from which on a quadratic drag is taken to be one
 
 
 @dataclass(frozen=True)
