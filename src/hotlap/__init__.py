@@ -8,7 +8,7 @@ the result, and writes a page about it:
     tuned = hotlap.tune("circle-34", out="runs/mine")
     tuned.confirmed, tuned.validation, tuned.values, tuned.report
 
-`hotlap.check`, `plan`, `fly`, `transfer`, `compare` and `export` do likewise. The pieces of which they are made are reached by package:
+`hotlap.check`, `identify`, `plan`, `fly`, `transfer`, `compare` and `export` do likewise. The pieces of which they are made are reached by package:
 
     from hotlap import tuners
     from hotlap.planning.preparation import prepare
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from hotlap.api.comparing import compare
     from hotlap.api.exporting import export
     from hotlap.api.flying import fly
+    from hotlap.api.identifying import identify
     from hotlap.api.planning import plan
     from hotlap.api.transferring import transfer
     from hotlap.api.tuning import tune
@@ -56,6 +57,7 @@ __all__ = [
     "compare",
     "export",
     "fly",
+    "identify",
     "load_parameters",
     "load_race",
     "plan",
@@ -68,6 +70,7 @@ _HOMES = {
     "api.comparing": ("compare",),
     "api.exporting": ("export",),
     "api.flying": ("fly",),
+    "api.identifying": ("identify",),
     "api.planning": ("plan",),
     "api.transferring": ("transfer",),
     "api.tuning": ("tune",),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hotlap.core.records import Floats
-from hotlap.identify.manoeuvre import SECONDS, STRAIGHTS, one_minute
+from hotlap.identification.manoeuvre import SECONDS, STRAIGHTS, one_minute
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
 from hotlap.race.quadrotor import Quadrotor

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from hotlap.core.records import Floats
 from hotlap.core.shown import Shown
-from hotlap.identify.model import SETTLED, Model, Numbers
-from hotlap.identify.unknowns import AXES
+from hotlap.identification.model import SETTLED, Model, Numbers
+from hotlap.identification.unknowns import AXES
 from hotlap.logs.flight_log import Signal
 
 Mask = NDArray[np.bool_]

@@ -17,9 +17,9 @@ import numpy as np
 from scipy.signal import lfilter
 
 from hotlap.core.records import Floats
-from hotlap.identify.evidence import Evidence
-from hotlap.identify.replay import RATES, ROOTS, THRUST, replay
-from hotlap.identify.unknowns import AXES, BATTERY_POWER, SIMULATED
+from hotlap.identification.evidence import Evidence
+from hotlap.identification.replay import RATES, ROOTS, THRUST, replay
+from hotlap.identification.unknowns import AXES, BATTERY_POWER, SIMULATED
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import PLANT_STEP
 from hotlap.race.rate_loop import RateLoop
@@ -31,16 +31,19 @@ RUN_UP = 0.6  # share of the largest rotor thrust below which the least one lies
 Numbers = Mapping[str, float]
 
 
-def with_numbers(base: Quadrotor, numbers: Numbers) -> Quadrotor:
-    """The base with thrust, lag, and rate gain of a fit; mass, geometry and the form of its rate loop are its own.
+def with_numbers(base: Quadrotor, numbers: Numbers, *, thrust_known: bool) -> Quadrotor:
+    """The base with thrust, lag, and rate gain of a fit; geometry and the form of its rate loop are its own.
 
     Args:
         base: the vehicle.
         numbers: by name of the unknown, logarithms undone.
+        thrust_known: whether its thrust is its own, too, and its mass is of the fit; else the other way round.
     """
-    most = numbers["full"] * base.mass / base.rotor_count
     half = math.sqrt(numbers["lag_ratio"])
+    mass = base.rotor_count * base.rotor_thrust[1] / numbers["full"] if thrust_known else base.mass
+    most = numbers["full"] * mass / base.rotor_count
     change: dict[str, Any] = {
+        "mass": mass,
         "rotor_thrust": (min(base.rotor_thrust[0], RUN_UP * most), most),
         "motor_time": (numbers["lag"] / half, numbers["lag"] * half),
         "inflow": 0.0,
@@ -75,12 +78,14 @@ class Model:
         evidence: of a log.
         place: of the log among those that are fitted.
         voltage: [V] at which the thrust map holds; NaN where no battery is logged.
+        thrust_known: as of `with_numbers`.
     """
 
     base: Quadrotor
     evidence: Evidence
     place: int
     voltage: float
+    thrust_known: bool = False
 
     def __post_init__(self) -> None:
         self._kept: dict[tuple[float, ...], Floats] = {}
@@ -91,8 +96,11 @@ class Model:
         if key not in self._kept:
             if len(self._kept) > 1:
                 self._kept.clear()
-            self._kept[key] = replay(with_numbers(self.base, numbers), self._commands(numbers))
+            self._kept[key] = replay(self._vehicle(numbers), self._commands(numbers))
         return self._kept[key]
+
+    def _vehicle(self, numbers: Numbers) -> Quadrotor:
+        return with_numbers(self.base, numbers, thrust_known=self.thrust_known)
 
     def _commands(self, numbers: Numbers) -> Floats:
         edges, known = self.evidence.grid - numbers["delay"], self.evidence.thrust_command
@@ -110,9 +118,10 @@ class Model:
         air = self.evidence.air
         if air is None:
             return force
+        mass = self._vehicle(numbers).mass
         force -= air * [numbers.get(f"drag_{axis}", 0.0) for axis in AXES]
-        force -= air * np.abs(air) * [numbers.get(f"body_drag_{axis}", 0.0) / self.base.mass for axis in AXES]
-        force[:, :2] -= numbers.get("rotor_drag", 0.0) / self.base.mass * rows[:, ROOTS, None] * air[:, :2]
+        force -= air * np.abs(air) * [numbers.get(f"body_drag_{axis}", 0.0) / mass for axis in AXES]
+        force[:, :2] -= numbers.get("rotor_drag", 0.0) / mass * rows[:, ROOTS, None] * air[:, :2]
         return force
 
     def predicted(self, numbers: Numbers) -> dict[str, Floats]:

@@ -18,8 +18,8 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from hotlap.core.records import Floats
-from hotlap.identify.model import Model
-from hotlap.identify.unknowns import Unknown, starts
+from hotlap.identification.model import Model
+from hotlap.identification.unknowns import Unknown, starts
 
 Mask = NDArray[np.bool_]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hotlap.core.records import Floats
-from hotlap.identify.evidence import Evidence
+from hotlap.identification.evidence import Evidence
 from hotlap.race.quadrotor import Quadrotor
 
 AXES = ("x", "y", "z")

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from hotlap.core.shown import Shown
-from hotlap.identify.estimates import Estimate, estimates_of, hover_throttle
-from hotlap.identify.evidence import Evidence, lay_out
-from hotlap.identify.fit import Fit, fit, search
-from hotlap.identify.held_out import Prediction, held_out, predictions, signals_of
-from hotlap.identify.model import Model, Numbers
-from hotlap.identify.unknowns import AXES, BATTERY_POWER, moved, unknowns_of
+from hotlap.identification.estimates import Estimate, estimates_of, hover_throttle
+from hotlap.identification.evidence import Evidence, lay_out
+from hotlap.identification.fit import Fit, fit, search
+from hotlap.identification.held_out import Prediction, held_out, predictions, signals_of
+from hotlap.identification.model import Model, Numbers
+from hotlap.identification.unknowns import AXES, BATTERY_POWER, moved, unknowns_of
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
 from hotlap.race.quadrotor import Quadrotor
@@ -102,7 +102,7 @@ def identify(
     """
     evidence = [lay_out(_in_throttle(log, base)) for log in logs]
     voltage = _voltage(evidence)
-    models = [Model(base, one, k, voltage) for k, one in enumerate(evidence)]
+    models = [Model(base, one, k, voltage, thrust_known) for k, one in enumerate(evidence)]
     straight = all(FULL_THRUST in log.facts or "thrust_command" not in log.signals for log in logs)
     unknowns = unknowns_of(base, evidence, straight=straight)
     unknowns = moved(unknowns, search(models, unknowns))

@@ -11,11 +11,11 @@ import numpy as np
 
 from hotlap.core.records import Floats
 from hotlap.core.shown import Shown
-from hotlap.identify.evidence import Evidence
-from hotlap.identify.fit import NORMAL, Fit, numbers_of
-from hotlap.identify.manoeuvre import WORDS
-from hotlap.identify.model import Numbers, thrust_map
-from hotlap.identify.unknowns import AXES
+from hotlap.identification.evidence import Evidence
+from hotlap.identification.fit import NORMAL, Fit, numbers_of
+from hotlap.identification.manoeuvre import WORDS
+from hotlap.identification.model import Numbers, thrust_map
+from hotlap.identification.unknowns import AXES
 from hotlap.race.quadrotor import Quadrotor
 
 STEP = 1e-5  # of derivatives
@@ -126,7 +126,7 @@ def _asked(base: Quadrotor, evidence: Sequence[Evidence], present: set[str], *, 
         found.append(_Asked(f"motor lag {name}", "motor_time", "s", of, former, True, MOST["log"], _why_lag))
     found += [_gain(base, k) for k in range(3)]
     found.append(_Asked("dead time", "delay", "s", lambda n: n["delay"], base.delay, False, MOST["s"], _why_delay))
-    return found + _drags(base, evidence, present, thrust_known=thrust_known)
+    return found + _drags(base, present)
 
 
 def _gain(base: Quadrotor, k: int) -> _Asked:
@@ -139,23 +139,21 @@ def _gain(base: Quadrotor, k: int) -> _Asked:
     return _Asked(f"rate loop {TURNS[axis]}", "rate_loop.p", "s/rad", lambda n: n[name] * share, p, True, MOST["log"], why)
 
 
-def _drags(base: Quadrotor, evidence: Sequence[Evidence], present: set[str], *, thrust_known: bool) -> list[_Asked]:
+def _drags(base: Quadrotor, present: set[str]) -> list[_Asked]:
     """Drag along each axis, and that of the rotors."""
-    most = base.rotor_count * base.rotor_thrust[1]
-    ratio = (lambda n: most / n["full"] / base.mass) if thrust_known else (lambda _: 1.0)
     if not any(name.startswith("drag") for name in present):
         nothing = lambda _: 0.0  # noqa: E731
         return [_Asked("drag", "", "1/s", nothing, math.nan, most=-1.0, why=lambda _: ("no velocity and attitude are logged", ""))]
     found = []
     if "rotor_drag" in present:
-        of = lambda n: n["rotor_drag"] * math.sqrt(ratio(n))  # noqa: E731
+        of = lambda n: n["rotor_drag"]  # noqa: E731
         found.append(_Asked("rotor drag", "rotor_drag", "N^0.5 s/m", of, base.rotor_drag, most=max(base.rotor_drag, 0.01), why=_why_drag(0)))
     for k, axis in enumerate(AXES):
         if f"drag_{axis}" in present:
             of = lambda n, name=f"drag_{axis}": n[name]  # noqa: E731
             found.append(_Asked(f"drag {axis}", "drag", "1/s", of, base.drag[k], most=MOST["1/s"], why=_why_drag(k)))
         if f"body_drag_{axis}" in present:
-            of = lambda n, name=f"body_drag_{axis}": n[name] * ratio(n)  # noqa: E731
+            of = lambda n, name=f"body_drag_{axis}": n[name]  # noqa: E731
             found.append(_Asked(f"body drag {axis}", "body_drag", "N s^2/m^2", of, base.body_drag[k], why=_why_drag(k)))
     return found
 
