@@ -8,7 +8,8 @@ the result, and writes a page about it:
     tuned = hotlap.tune("circle-34", out="runs/mine")
     tuned.confirmed, tuned.validation, tuned.values, tuned.report
 
-`hotlap.check`, `identify`, `plan`, `fly`, `transfer`, `compare` and `export` do likewise. The pieces of which they are made are reached by package:
+`hotlap.check`, `identify`, `plan`, `fly`, `transfer`, `compare` and `export` do likewise. The pieces of which they are made are
+reached by package:
 
     from hotlap import tuners
     from hotlap.planning.preparation import prepare

@@ -31,7 +31,9 @@ def _lines(found: IdentifiedQuadrotor) -> Iterator[Line]:
     yield from table(cells, right=(1, 4), indent="  ")
     yield "seconds that were not fitted: error of what is predicted, and of the base (rms)"
     rows = [("", "identified", "base", "of", "")]
-    rows += [(f"{one.channel} {one.axis}", number(one.error), number(one.former_error), number(one.size), one.unit) for one in known.predictions]
+    rows += [
+        (f"{one.channel} {one.axis}", number(one.error), number(one.former_error), number(one.size), one.unit) for one in known.predictions
+    ]
     yield from table(rows, right=(1, 2, 3), indent="  ")
     if known.untold:
         yield "not told by the log"

@@ -82,7 +82,7 @@ def estimates_of(fit: Fit, base: Quadrotor, evidence: Sequence[Evidence], *, thr
         thrust_known: whether the base's thrust is right, and its mass is to be found; else the other way round.
     """
     present = {one.name for one in fit.unknowns}
-    return tuple(_estimate(one, fit, evidence) for one in _asked(base, evidence, present, thrust_known=thrust_known))
+    return tuple(_estimate(one, fit, evidence) for one in _asked(base, present, thrust_known=thrust_known))
 
 
 def _estimate(asked: _Asked, fit: Fit, evidence: Sequence[Evidence]) -> Estimate:
@@ -103,17 +103,14 @@ def _estimate(asked: _Asked, fit: Fit, evidence: Sequence[Evidence]) -> Estimate
     return Estimate(asked.name, asked.key, asked.unit, value, low, high, asked.former, reason, manoeuvre)
 
 
-def _asked(base: Quadrotor, evidence: Sequence[Evidence], present: set[str], *, thrust_known: bool) -> list[_Asked]:
+def _asked(base: Quadrotor, present: set[str], *, thrust_known: bool) -> list[_Asked]:
     """What can be estimated with these unknowns."""
     weight, most = base.gravity, base.rotor_count * base.rotor_thrust[1]
     if thrust_known:
-        mass = _Asked("mass", "mass", "kg", lambda n: most / n["full"], base.mass, is_log=True, most=MOST["log"], why=_why_thrust)
-        found = [mass]
+        found = [_Asked("mass", "mass", "kg", lambda n: most / n["full"], base.mass, True, MOST["log"], _why_thrust)]
     else:
-        share = base.mass / base.rotor_count
-        found = [
-            _Asked("thrust of a rotor", "rotor_thrust", "N", lambda n: n["full"] * share, base.rotor_thrust[1], True, MOST["log"], _why_thrust)
-        ]
+        share, former = base.mass / base.rotor_count, base.rotor_thrust[1]
+        found = [_Asked("thrust of a rotor", "rotor_thrust", "N", lambda n: n["full"] * share, former, True, MOST["log"], _why_thrust)]
     found.append(_Asked("full thrust per mass", "", "m/s^2", lambda n: n["full"], base.max_acceleration, True, MOST["log"], _why_thrust))
     found.append(_Asked("hover throttle", "", "", lambda n: hover_throttle(n, weight), math.nan, True, MOST["log"], _why_thrust))
     if "curvature" in present:
@@ -147,7 +144,9 @@ def _drags(base: Quadrotor, present: set[str]) -> list[_Asked]:
     found = []
     if "rotor_drag" in present:
         of = lambda n: n["rotor_drag"]  # noqa: E731
-        found.append(_Asked("rotor drag", "rotor_drag", "N^0.5 s/m", of, base.rotor_drag, most=max(base.rotor_drag, 0.01), why=_why_drag(0)))
+        found.append(
+            _Asked("rotor drag", "rotor_drag", "N^0.5 s/m", of, base.rotor_drag, most=max(base.rotor_drag, 0.01), why=_why_drag(0))
+        )
     for k, axis in enumerate(AXES):
         if f"drag_{axis}" in present:
             of = lambda n, name=f"drag_{axis}": n[name]  # noqa: E731
@@ -190,7 +189,10 @@ def _why_thrust(evidence: Sequence[Evidence]) -> tuple[str, str]:
 
 def _why_battery(evidence: Sequence[Evidence]) -> tuple[str, str]:
     low, high = _spread([one.thrust_command.values[:, 1] for one in evidence if one.thrust_command is not None])
-    return f"the battery was from {low:.2f} to {high:.2f} V only", "fly on until the battery is nearly empty, with thrust steps at the end, too"
+    return (
+        f"the battery was from {low:.2f} to {high:.2f} V only",
+        WORDS["battery"],
+    )
 
 
 def _why_lag(evidence: Sequence[Evidence]) -> tuple[str, str]:

@@ -26,6 +26,7 @@ Mask = NDArray[np.bool_]
 FIRST_SCALE = {"rates": 0.1, "force": 1.0, "velocity": 0.1}  # of what is left, before anything is fitted
 LEAST_SCALE = 1e-4
 NORMAL = 1.96  # standard deviations of a 95 % interval
+TINY = 1e-300  # in place of 0
 LARGEST = 12.0  # of a logarithm
 STEP = 1e-4  # of finite differences
 ROUNDS, EVALUATIONS = 3, 12  # of weights; of the outputs in each
@@ -87,7 +88,7 @@ def search(models: Sequence[Model], unknowns: Sequence[Unknown]) -> dict[str, fl
             theta = {**found, "delay": delay}
             theta |= {name: found[name] + math.log(gain) for name in ("gain_x", "gain_y", "gain_z")}
             numbers = numbers_of(unknowns, np.array([theta[one.name] for one in unknowns]))
-            cost = sum(float((m.left(numbers)["rates"][m.evidence.counts["rates"]] ** 2).sum()) for m in models)
+            cost = sum(float((m.rates_left(numbers) ** 2).sum()) for m in models)
             tried.append((cost, theta))
     return min(tried, key=lambda one: one[0])[1]
 
@@ -183,7 +184,7 @@ def _widening(problem: _Problem, influence: Floats) -> Floats:
     Student's t with as many degrees of freedom as stretches tell of it alike: the participation ratio of their shares, less one.
     """
     total = np.vstack(problem.scores(influence**2, np.ones(len(influence)), KERNEL))
-    alike = total.sum(axis=0) ** 2 / (total**2).sum(axis=0)
+    alike = total.sum(axis=0) ** 2 / np.maximum((total**2).sum(axis=0), TINY)
     freedom = np.maximum(alike - 1, 2.0)
     return np.asarray(student.ppf(0.975, freedom) / NORMAL)
 
@@ -196,4 +197,3 @@ def _long_run(scores: Floats) -> Floats:
         crossed = scores[lag:].T @ scores[:-lag]
         total += (1 - lag / most) * (crossed + crossed.T)
     return np.asarray(total)
-

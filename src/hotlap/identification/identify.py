@@ -108,7 +108,10 @@ def identify(
     unknowns = moved(unknowns, search(models, unknowns))
     say("searched for dead time and gains")
     fitted = [
-        {name: model.evidence.counts[name] & ~held_out(signal.times, float(model.evidence.grid[0])) for name, signal in signals_of(model).items()}
+        {
+            name: model.evidence.counts[name] & ~held_out(signal.times, float(model.evidence.grid[0]))
+            for name, signal in signals_of(model).items()
+        }
         for model in models
     ]
     first = fit(models, unknowns, np.array([one.start for one in unknowns]), fitted)

@@ -10,6 +10,7 @@ WORDS = {
     "pitch": "pitch doublets: quick stick forward, back and to the middle",
     "yaw": "yaw doublets: quick stick left and right, half a second each",
     "thrust": "thrust steps: climbs and sinks of half a second with the throttle at once up, at once down",
+    "battery": "fly on until the battery is nearly empty, with thrust steps at the end, too",
     "straights": "fast straights forward and back, then left and right, with the nose where it was",
 }
 """Parts of the suggested flight, in words for a pilot."""
@@ -35,7 +36,11 @@ def doublets(begin: float, axis: int, sizes: tuple[float, ...], held: float, apa
     """There and back, then there again for half the time and back: the attitude ends where it began."""
     pushes, at = [], begin
     for size in sizes:
-        pushes += [Push(at, at + held, axis, size), Push(at + held, at + 3 * held, axis, -size), Push(at + 3 * held, at + 4 * held, axis, size)]
+        pushes += [
+            Push(at, at + held, axis, size),
+            Push(at + held, at + 3 * held, axis, -size),
+            Push(at + 3 * held, at + 4 * held, axis, size),
+        ]
         at += 4 * held + apart
     return pushes
 

@@ -1,9 +1,9 @@
 """Model: what a vehicle with given numbers would have measured in the flight of a log.
 
-    T / m = full ((1 - c) u + c u^2) (V / V0)^n           thrust per mass of the throttle u and the voltage V
-    rates, thrust = replay of the commands, `delay` late   nothing that was measured enters: its noise cannot bend the fit
-    force = T / m e_z - drag(velocity in the body)
-    velocity = integral of R force - g                     where the force is not measured
+T / m = full ((1 - c) u + c u^2) (V / V0)^n           thrust per mass of the throttle u and the voltage V
+rates, thrust = replay of the commands, `delay` late   nothing that was measured enters: its noise cannot bend the fit
+force = T / m e_z - drag(velocity in the body)
+velocity = integral of R force - g                     where the force is not measured
 """
 
 from __future__ import annotations
@@ -138,6 +138,12 @@ class Model:
             outputs["velocity"] = np.vstack([np.zeros(3), np.cumsum(PLANT_STEP * steps, axis=0)])
             found["velocity"] = self.evidence.velocity
         return {name: _at(self.evidence.grid, rows, found[name].times) for name, rows in outputs.items()}
+
+    def rates_left(self, numbers: Numbers) -> Floats:
+        """Measured less predicted rates, of the samples that count, shape (samples, 3) [rad/s]."""
+        rates = self.evidence.rates
+        left = rates.values - _at(self.evidence.grid, self.replayed(numbers)[:, RATES], rates.times)
+        return left[self.evidence.counts["rates"]]
 
     def left(self, numbers: Numbers) -> dict[str, Floats]:
         """What was measured less what is predicted, shape (samples, 3) each; of a velocity, what is not forgotten."""

@@ -35,9 +35,7 @@ def quadrotor_of(found: Identification, label: str) -> Quadrotor:
     table = found.base.model_dump(mode="python", exclude_unset=True)
     for key, value in changes(found).items():
         table[key] = {**table.get(key, {}), **value} if isinstance(value, Mapping) else value
-    built = check(TYPES[Kind.QUADROTOR], table, label)
-    assert isinstance(built, Quadrotor)
-    return built
+    return check(TYPES[Kind.QUADROTOR], table, label)  # pyright: ignore[reportReturnType]  the type that was asked for
 
 
 def changes(found: Identification) -> dict[str, Any]:

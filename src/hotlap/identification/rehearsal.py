@@ -131,7 +131,7 @@ def _command(time: float, state: Floats, quadrotor: Quadrotor, *, pushes: bool) 
     gravity = quadrotor.gravity
     wanted = VELOCITY_GAIN * (POSITION_GAIN * (_target(time) - state[:3]) - state[7:10])
     wanted[:2] *= min(1.0, STEEPEST * gravity / max(float(np.hypot(*wanted[:2])), 1e-9))
-    push = wanted + [0.0, 0.0, gravity]
+    push = wanted + np.array([0.0, 0.0, gravity])
     push[2] = max(push[2], SLOWEST * gravity)
     rotation = _matrix(state[3:7])
     thrust = max(float(push @ rotation[:, 2]), SLOWEST * gravity)

@@ -12,13 +12,13 @@ from hotlap.core.counts import count
 from hotlap.core.records import Floats
 from hotlap.identification.held_out import EVERY, PIECE, Prediction, pieces
 from hotlap.identification.identify import Identification
-from hotlap.report.style import AGAIN, BEST, FAINT, INK, QUIET, SMALL, headline, place_axes, styled
+from hotlap.report.style import AGAIN, BEST, FAINT, FIRST, INK, SMALL, headline, place_axes, styled
 
 LEFT, RIGHT, TOP, BOTTOM = 0.7, 1.2, 0.85, 0.5  # inches
 WIDTH, HEIGHT, GAP = 8.4, 1.05, 0.22  # inches of a row, and between two
 TITLES = {"rates": ("roll rate", "pitch rate", "yaw rate"), "force": ("force x", "force y", "force z")}
 TITLES["velocity"] = ("velocity x", "velocity y", "velocity z")
-KEY = (("—", QUIET, "measured"), ("—", BEST, "predicted by what was identified"), ("—", AGAIN, "by the base"))
+KEY = (("—", FIRST, "measured"), ("—", BEST, "predicted by what was identified"), ("—", AGAIN, "by the base"))
 
 
 @styled
@@ -75,4 +75,4 @@ def _draw(axes: Axes, one: Prediction, *, last: bool) -> None:
 
 
 def _lines(one: Prediction) -> Sequence[tuple[Floats, str, float, float]]:
-    return ((one.measured, QUIET, 0.8, 2.0), (one.believed, AGAIN, 0.9, 1.0), (one.predicted, BEST, 0.9, 3.0))
+    return ((one.measured, FIRST, 2.2, 2.0), (one.believed, AGAIN, 0.9, 1.0), (one.predicted, BEST, 0.9, 3.0))
