@@ -53,7 +53,7 @@ def one_minute() -> tuple[Push, ...]:
     thrusts = [Push(begin, begin + held, 0, size) for (begin, size), held in zip(steps, lengths, strict=True)]
     roll = doublets(4.0, 1, (1.5, 3.0, -2.5, 1.0), 0.15, 1.0)
     pitch = doublets(11.0, 2, (1.5, 3.0, -2.5, 1.0), 0.15, 1.0)
-    yaw = doublets(18.0, 3, (1.5, -2.5), 0.4, 1.2)
+    yaw = doublets(18.0, 3, (0.8, -1.2), 0.4, 1.2)
     return (*roll, *pitch, *yaw, *thrusts)
 
 

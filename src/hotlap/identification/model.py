@@ -52,13 +52,22 @@ def with_numbers(base: Quadrotor, numbers: Numbers, *, thrust_known: bool) -> Qu
     if base.rate_loop is None:
         change["rate_gain"] = gains
     else:
-        change["rate_loop"] = scaled(base.rate_loop, [gain / own for gain, own in zip(gains, base.rate_gain, strict=True)])
+        factors = [gain / own for gain, own in zip(gains, base.rate_gain, strict=True)]
+        change["rate_loop"] = scaled(base.rate_loop, factors, numbers)
     return base.model_copy(update=change)
 
 
-def scaled(loop: RateLoop, factors: Sequence[float]) -> RateLoop:
-    """A rate loop with all gains of each axis multiplied."""
-    parts = {name: tuple(np.multiply(getattr(loop, name), factors).tolist()) for name in ("p", "i", "d")}
+def scaled(loop: RateLoop, factors: Sequence[float], numbers: Numbers) -> RateLoop:
+    """A rate loop with all gains of each axis multiplied, and besides those of the integral and derivative parts.
+
+    Args:
+        loop: of the base.
+        factors: of roll, pitch and yaw.
+        numbers: "integral" of roll and pitch, "integral_z" and "damping" are further factors, 1 where they are missing.
+    """
+    integral = [numbers.get(name, 1.0) for name in ("integral", "integral", "integral_z")]
+    more = {"p": [1.0] * 3, "i": integral, "d": [numbers.get("damping", 1.0)] * 3}
+    parts = {name: tuple(np.multiply(getattr(loop, name), np.multiply(factors, times)).tolist()) for name, times in more.items()}
     return loop.model_copy(update=parts)
 
 

@@ -43,11 +43,12 @@ def changes(found: Identification) -> dict[str, Any]:
     base, changed = found.base, dict[str, Any]()
     for key, ones in by_key(found.estimates).items():
         told = [one for one in ones if one.told]
-        if not told:
+        if not told or (key.startswith("rate_loop.") and key != LOOP):
             continue
         if key == LOOP and base.rate_loop is not None:
             factors = [one.value / one.former if one.told else 1.0 for one in ones]
-            loop = scaled(base.rate_loop, factors)
+            others = {one.key.removeprefix("rate_loop."): one.value for one in found.estimates if one.told}
+            loop = scaled(base.rate_loop, factors, others)
             changed["rate_loop"] = {name: _rounded(getattr(loop, name)) for name in ("p", "i", "d")}
         elif key in {"drag", "body_drag"}:
             changed[key] = _along_axes(getattr(base, key), told)
@@ -77,7 +78,7 @@ def text_of(found: Identification, base: str) -> str:
     tables = []
     for key, value in changes(found).items():
         if isinstance(value, Mapping):
-            tables += ["", f"[{key}]  # {_intervals(by[LOOP])}; i and d go with p", *(write_pair(name, one) for name, one in value.items())]
+            tables += ["", f"[{key}]  # p: {_intervals(by[LOOP])}", *(write_pair(name, one) for name, one in value.items())]
         else:
             remark = _intervals(by[key]) if key in by else "its drag is that of drag"
             lines.append(f"{write_pair(key, value)}  # {remark}")

@@ -15,7 +15,20 @@ from hotlap.race.quadrotor import Quadrotor
 AXES = ("x", "y", "z")
 BATTERY_POWER = 2.0  # of the voltage, with which thrust goes where nothing regulates the motors
 LEAST_LAG = 1e-3  # s
-SIMULATED = ("full", "curvature", "battery", "lag", "lag_ratio", "gain_x", "gain_y", "gain_z", "delay")  # a change needs a replay
+SIMULATED = (
+    "full",
+    "curvature",
+    "battery",
+    "lag",
+    "lag_ratio",
+    "gain_x",
+    "gain_y",
+    "gain_z",
+    "integral",
+    "integral_z",
+    "damping",
+    "delay",
+)  # a change needs a replay
 
 
 @dataclass(frozen=True)
@@ -55,6 +68,10 @@ def unknowns_of(
     found.append(Unknown("lag", math.log(up * down) / 2, 1.5, is_log=True))
     found.append(Unknown("lag_ratio", math.log(down / up), 0.7, is_log=True))
     found += [Unknown(f"gain_{axis}", math.log(gain), 2.0, is_log=True) for axis, gain in zip(AXES, base.rate_gain, strict=True)]
+    if base.rate_loop is not None:
+        i, d = base.rate_loop.i, base.rate_loop.d
+        shown = {"integral": any(i[:2]), "integral_z": i[2] > 0, "damping": any(d)}
+        found += [Unknown(name, 0.0, 0.7, is_log=True) for name, there in shown.items() if there]
     found.append(Unknown("delay", base.delay, 0.2))
     if any(one.output is not None and one.air is not None for one in evidence):
         found += _drags(base, quadratic)
