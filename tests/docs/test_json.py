@@ -22,6 +22,7 @@ COMMANDS = {
     "completion": ["bash"],
     "new": ["track", "mine"],
     "import": [str(ROOT / "tests" / "importers" / "samples" / "mrs.yaml")],
+    "identify": ["flight.csv", "--quadrotor", "five-inch"],
     "plan": ["circle-34"],
     "tune": ["circle-34", "--validation", "10", "--out", "study"],
     "fly": ["circle-34", "--flights", "2"],
