@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
 
@@ -16,15 +14,14 @@ from identification.flights import BASE, drawn
 
 @pytest.fixture(scope="module")
 def flown():
-    """The first eight seconds, with roll doublets and without turns of yaw; made before there is an empty cache, so that all is compiled."""
+    """The first eight seconds, with roll doublets and without turns of yaw; compiles all before there is an empty cache."""
     replay(BASE, np.zeros((1, 4)))
     return drawn(3).fly(3, seconds=8.0)
 
 
-@cache
-def found_in(log):
-    """What is found in it."""
-    return identify([log], BASE)
+@pytest.fixture(scope="module")
+def found(flown):
+    return identify([flown], BASE)
 
 
 @pytest.fixture
@@ -50,8 +47,8 @@ def test_numbers_predictions_and_what_is_missing_are_said_and_written(hotlap, he
     assert "stages" in ran.err
 
 
-def test_a_base_beside_the_file_is_found_from_it(hotlap, here, flight, flown, monkeypatch):
-    monkeypatch.setattr("hotlap.api.identified.identify", lambda *_, **__: found_in(flown))
+def test_a_base_beside_the_file_is_found_from_it(found, hotlap, here, flight, monkeypatch):
+    monkeypatch.setattr("hotlap.api.identified.identify", lambda *_, **__: found)
     (here / "base.toml").write_text('base = "five-inch"\nmass = 0.7\n')
     (here / "found").mkdir()
     ran = hotlap("identify", flight, "--quadrotor", "base.toml", "--out", "found/mine.toml", "--json")
