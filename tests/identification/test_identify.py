@@ -31,11 +31,13 @@ def found(truth):
 
 @pytest.fixture(scope="module")
 def by_accelerometer(truth):
-    """Of half a minute without straights, with throttles whose thrust is not known and a battery."""
+    """Of half a minute without straights, with throttles whose thrust is not known and a battery that sags."""
     log = truth.fly(SEED + 1, accelerometer=True, seconds=30.0)
     signals = {name: signal for name, signal in log.signals.items() if name != "velocity"}
-    times = signals["thrust_command"].times
-    signals["battery"] = Signal(times, np.full((len(times), 1), 15.0))
+    thrust = signals["thrust_command"]
+    voltage = np.linspace(16.8, 14.0, len(thrust.times))[:, None]
+    signals["battery"] = Signal(thrust.times, voltage)
+    signals["thrust_command"] = Signal(thrust.times, thrust.values * (voltage[0] / voltage) ** 2)
     return identify([replace(log, signals=signals, facts={})], BASE)
 
 
@@ -65,20 +67,23 @@ def test_an_accelerometer_and_throttles_tell_the_same(by_accelerometer, truth):
     full = BASE.max_acceleration * BASE.mass / truth.vehicle.mass
     assert known.hover == pytest.approx(BASE.gravity / full, rel=0.02)
     assert abs(known.curvature) < 0.15
+    assert known.power == pytest.approx(2.0, abs=0.2)
+    assert known.voltage == pytest.approx(16.75, abs=0.1)
     off = errors(by_accelerometer, truth)
     assert {name: off[name] for name in TOLD if name in off and off[name] > WITHIN} == {}
 
 
-def test_what_a_log_cannot_tell_has_a_reason_and_a_manoeuvre(by_accelerometer):
-    untold = {one.name: one for one in by_accelerometer.untold}
-    assert untold["drag"].reason == "no velocity and attitude are logged"
-    assert untold["power of voltage"].reason == "the battery was from 15.00 to 15.00 V only"
-    assert "battery is nearly empty" in untold["power of voltage"].manoeuvre
+def test_drag_needs_a_velocity(by_accelerometer):
+    assert {one.name: one.reason for one in by_accelerometer.untold}["drag"] == "no velocity and attitude are logged"
 
 
 def test_hover_alone_tells_no_gains_and_keeps_those_of_the_base(truth):
-    quiet = identify([truth.fly(1, pushes=False, seconds=8.0)], BASE)
+    log = truth.fly(1, pushes=False, seconds=8.0)
+    steady = Signal(log.signals["rates"].times, np.full((len(log.signals["rates"].times), 1), 15.0))
+    quiet = identify([replace(log, signals={**log.signals, "battery": steady})], BASE)
     untold = {one.name: one for one in quiet.untold}
+    assert untold["power of voltage"].reason == "the battery was from 15.00 to 15.00 V only"
+    assert "battery is nearly empty" in untold["power of voltage"].manoeuvre
     assert {"rate gain yaw", "drag x", "drag y"} <= set(untold)
     assert untold["rate gain yaw"].manoeuvre.startswith("yaw doublets")
     assert quadrotor_of(quiet, "mine").rate_gain[2] == BASE.rate_gain[2]
