@@ -106,7 +106,7 @@ def test_the_chart_shows_every_channel(found):
 
 
 def a_log(**changed) -> FlightLog:
-    times = 0.01 * np.arange(1000)
+    times = np.linspace(0.0, 9.99, 1000)
     signals = {name: Signal(times, np.zeros((1000, 3))) for name in ("rates", "rate_command")}
     signals["thrust_command"] = Signal(times, np.full((1000, 1), 0.3))
     signals |= changed

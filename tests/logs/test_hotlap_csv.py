@@ -15,7 +15,7 @@ ROWS = ["0,0,0,0,0,0,0,9.81", "0.01,0,0,0,0,0,0,9.81"]
 
 
 def a_log() -> FlightLog:
-    times, random = 0.01 * np.arange(50), np.random.default_rng(1)
+    times, random = np.linspace(0.0, 0.49, 50), np.random.default_rng(1)
     widths = {"position": 3, "velocity": 3, "attitude": 4, "rates": 3, "rate_command": 3}
     signals = {name: Signal(times, random.normal(size=(50, width))) for name, width in widths.items()}
     signals["thrust_command"] = Signal(times, np.linspace(0.2, 1.0, 50)[:, None])
