@@ -8,6 +8,7 @@ from __future__ import annotations
 import multiprocessing
 import pickle
 import signal
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -100,6 +101,7 @@ def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[C
 def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
     """The loop of a worker process: it ends when its parent closes the pipe; Ctrl-C is left to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    warnings.formatwarning = _in_one_line
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
             index, piece = pipe.recv()
@@ -111,6 +113,11 @@ def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
             except Exception as error:  # noqa: BLE001  whatever it was, the parent raises it
                 pipe.send((_ERROR, index, _portable(error)))
             pipe.send((_END, index, None))
+
+
+def _in_one_line(message: Warning | str, *_: object, **__: object) -> str:
+    """A warning as the command line shows it, without the place in the code that it came from."""
+    return f"hotlap: warning: {message}\n"
 
 
 def _portable(error: Exception) -> Exception:
