@@ -18,10 +18,13 @@ from typing import Any, TypeVar
 
 from hotlap.core.errors import HotlapError
 from hotlap.system.blas_threads import one_thread_each
+from hotlap.system.environment import variables
 from hotlap.system.processors import available
 
 Piece = TypeVar("Piece")
 Item = TypeVar("Item")
+
+NOTHING_OF_THE_FOLDER = {"PYTHONSAFEPATH": "1"}  # a worker begins with Python's own path, and then has that of its parent
 
 _ITEM, _END, _ERROR = range(3)
 
@@ -80,7 +83,7 @@ def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[C
     processes: list[BaseProcess] = []
     ours: list[Connection] = []
     try:
-        with one_thread_each():
+        with one_thread_each(), variables(NOTHING_OF_THE_FOLDER):
             for _ in range(crew):
                 mine, theirs = context.Pipe()
                 process = context.Process(target=_serve_pipe, args=(work, theirs), daemon=True)
