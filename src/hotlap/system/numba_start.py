@@ -13,15 +13,15 @@ BLAS, USER = "scipy.linalg.cython_blas", "numba.np.arraymath"
 CONFIG = "numba.core.config"
 
 
-def defer_blas() -> None:
+def start_numba() -> None:
     """Load what Numba needs to compile anything at all, but not `scipy.linalg`, which takes a fifth of a second.
 
     Numba loads it only to see that it is there. Compiled code that multiplies matrices loads it again, when it is compiled. Nor is
     `.numba_config.yaml` read, settings of the compiler in whatever folder one works in: it may be anybody's.
     """
-    if BLAS in sys.modules or USER in sys.modules or find_spec("numba") is None:
+    if USER in sys.modules or find_spec("numba") is None:
         return
-    with warnings.catch_warnings(), _missing(BLAS, "yaml"):
+    with warnings.catch_warnings(), _missing("yaml", *({BLAS} - sys.modules.keys())):
         warnings.filterwarnings("ignore", ".*YAML parsing")
         module = import_module(USER)
     vars(module)["_HAVE_BLAS"] = find_spec("scipy") is not None

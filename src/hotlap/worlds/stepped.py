@@ -14,7 +14,6 @@ from hotlap.core.errors import HotlapError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
 from hotlap.reference.scenario import Scenario
-from hotlap.system.numba_start import defer_blas
 from hotlap.worlds.instance import Instance, OpenSimulator
 
 
@@ -56,7 +55,6 @@ class Stepped:
 
     def needs_compiling(self, scenario: Scenario) -> bool:
         """Whether the controller must be compiled before the next flight."""
-        defer_blas()
         from hotlap.flight.one_flight import needs_compiling  # noqa: PLC0415  the flight core loads a compiler
 
         return needs_compiling(scenario.race.controller.law)
