@@ -45,8 +45,7 @@ print(double(2), hasattr(double, "signatures") and len(double.signatures))
 """
 
 
-@pytest.mark.parametrize("loaded", ["nothing", "algebra", "yaml"])
-@pytest.mark.parametrize("settings", ["disable_jit: 1", "- no: table", "*: ["])
+@pytest.mark.parametrize(("loaded", "settings"), [("nothing", "disable_jit: 1"), ("algebra", "- no: table"), ("yaml", "*: [")])
 def test_settings_of_the_working_folder_change_nothing(tmp_path, loaded, settings):
     (tmp_path / ".numba_config.yaml").write_text(settings)
     ran = subprocess.run([sys.executable, "-P", "-c", SETTINGS, loaded], cwd=tmp_path, capture_output=True, text=True, check=True)

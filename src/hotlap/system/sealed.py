@@ -36,19 +36,27 @@ def read(path: Path) -> bytes | None:
     except OSError:  # a link
         reject(path, "is no ordinary file")
         return None
-    with os.fdopen(descriptor, "rb") as file:
-        if not is_private(os.fstat(descriptor)):
-            reject(path, "is not yours alone")
-            return None
-        try:
-            whole = file.read(LARGEST + 1)
-        except OSError:
-            whole = b""
+    try:
+        private = is_private(os.fstat(descriptor))
+        whole = _read_all(descriptor) if private else b""
+    finally:
+        os.close(descriptor)
     content = whole[:-SEAL]
-    if len(whole) > LARGEST or whole[-SEAL:] != _seal(path, content):
+    if not private:
+        reject(path, "is not yours alone")
+    elif whole[-SEAL:] != _seal(path, content):
         reject(path, "is damaged")
-        return None
-    return content
+    else:
+        return content
+    return None
+
+
+def _read_all(descriptor: int) -> bytes:
+    """The content of an open file; nothing of one that cannot be read, or is too large to be one of ours."""
+    with suppress(OSError), os.fdopen(descriptor, "rb", closefd=False) as file:
+        whole = file.read(LARGEST + 1)
+        return whole if len(whole) <= LARGEST else b""
+    return b""
 
 
 def write(path: Path, content: bytes) -> bool:
