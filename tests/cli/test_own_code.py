@@ -26,6 +26,7 @@ OPTIONAL = (
 NEEDED = "numpy scipy numba llvmlite casadi pydantic cmaes matplotlib rich sklearn joblib PIL threadpoolctl typing_extensions"
 MARK = "import pathlib\nwith pathlib.Path({!r}).open('a') as mark:\n    mark.write(__name__ + ' ')\nraise ImportError(__name__)\n"
 PROGRAM = "import sys\nfrom hotlap.cli import main\nif __name__ == '__main__':\n    sys.exit(main())\n"
+SAID = pytest.mark.filterwarnings("default::hotlap.core.own_code.OwnCode")  # as for a user, not as an error
 FLY = ["fly", "circle-34", "--flights", "2"]
 
 
@@ -39,6 +40,7 @@ def own_tuner(here):
         sys.modules.pop(name, None)
 
 
+@SAID
 @pytest.mark.usefixtures("faked")
 def test_a_tuner_of_the_working_folder_runs_and_that_is_said_once(hotlap, own_tuner):
     path = list(sys.path)
@@ -55,6 +57,7 @@ def test_what_is_not_there_is_one_line(hotlap):
     assert "runs code" not in ran.err
 
 
+@SAID
 def test_a_simulator_of_the_working_folder_is_named_too(hotlap, own_tuner):
     ran = hotlap("fly", "straight.toml", "--on", "tuner_of_a_test.No")
     assert ran.code == 2
@@ -160,10 +163,6 @@ def test_nor_by_any_other_command_nor_in_its_workers(attacked):
         assert not mark.exists(), (command, mark.read_text())
     for name in sys.stdlib_module_names:
         (folder / f"{name}.py").unlink(missing_ok=True)
-    assert (
-        run_in(
-            folder, "-m", "hotlap", *["compare", "drop-20", "--tuners", "random_search", "--budget", "4", "--seeds", "2", "--out", "again"]
-        ).returncode
-        == 0
-    )
+    again = "compare drop-20 --tuners random_search --budget 4 --seeds 2 --out again"
+    assert run_in(folder, "-m", "hotlap", *again.split()).returncode == 0
     assert not mark.exists()
