@@ -29,8 +29,7 @@ from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.schema import Described
 from hotlap.race.track import Track
-from hotlap.system.text_files import replace
-from hotlap.system.whole_files import cause_of
+from hotlap.system.text_files import cause_of, replace
 
 Description = Track | Quadrotor | Race
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from hotlap.core.errors import InputError
 from hotlap.files.bounds import keep_bounds
-from hotlap.system.whole_files import cause_of
+from hotlap.system.text_files import cause_of
 
 MAX_BYTES = 1_000_000  # a description takes a few thousand
 STUDY = "parameters.toml"  # what the folder of a study has

@@ -15,7 +15,7 @@ from defusedxml.ElementTree import fromstring
 
 from hotlap.core.errors import InputError
 from hotlap.files.bounds import keep_bounds
-from hotlap.system.whole_files import cause_of
+from hotlap.system.text_files import cause_of
 
 MAX_BYTES = 500_000  # the largest description that was met has 50 000
 

@@ -9,7 +9,7 @@ from time import monotonic
 from typing import Any
 
 from hotlap.core.printable import printable
-from hotlap.system.whole_files import cause_of
+from hotlap.system.text_files import cause_of
 from hotlap.worlds.simulator import SimulatorError
 
 REQUEST, REPLY = 0, 1  # kinds of message

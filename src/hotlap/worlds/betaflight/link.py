@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.system.whole_files import cause_of
+from hotlap.system.text_files import cause_of
 from hotlap.worlds.betaflight import built
 from hotlap.worlds.simulator import SimulatorError
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from hotlap.core.errors import InputError
 from hotlap.race.quadrotor import RotorLayout
-from hotlap.system.whole_files import cause_of
+from hotlap.system.text_files import cause_of
 
 IDLE = 0.055  # motor output at no throttle, as stock
 RATE_UNIT = 10  # deg/s
