@@ -80,13 +80,12 @@ def load(key: str) -> Reference | None:
             fields: dict[str, Any] = {name: np.asarray(stored[name], dtype=np.float64) for name in ARRAYS}
             fields.update({name: float(stored[name]) for name in SCALARS})
         reference = Reference(**fields)
-        sound = _is_sound(reference)
-    except Exception:  # noqa: BLE001  what is no plan may fail in any way, and is then planned anew
-        sound = False
-    if not sound:
-        sealed.reject(path, "is no plan")
-        return None
-    return reference
+        if _is_sound(reference):
+            return reference
+    except Exception:  # noqa: BLE001, S110  what is no plan may fail in any way
+        pass
+    sealed.reject(path, "is no plan")
+    return None
 
 
 def save(key: str, reference: Reference) -> None:
