@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hotlap.core.errors import InputError
+from hotlap.core.errors import InputError, StorageError
+
+STORAGE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EFBIG})  # what the disk does, whatever was asked for
 
 
 def create(path: str | Path, text: str) -> None:
@@ -27,7 +30,7 @@ def create(path: str | Path, text: str) -> None:
     except FileExistsError:
         raise InputError(str(path), "", "exists already and is left as it is") from None
     except (OSError, ValueError) as error:
-        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+        raise not_written(path, error) from None
 
 
 def replace(path: str | Path, text: str) -> None:
@@ -55,10 +58,16 @@ def written_whole(path: Path) -> Iterator[Path]:
         yield part
         part.replace(path)
     except OSError as error:
-        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+        raise not_written(path, error) from None
     finally:
         with suppress(OSError, ValueError):
             part.unlink(missing_ok=True)
+
+
+def not_written(path: str | Path, error: Exception) -> InputError:
+    """The error that says why a file cannot be written: a `StorageError` where its disk is at fault, and no name that was given."""
+    kind = StorageError if isinstance(error, OSError) and error.errno in STORAGE else InputError
+    return kind(str(path), "", f"cannot be written: {cause_of(error)}")
 
 
 def cause_of(error: Exception) -> str:
