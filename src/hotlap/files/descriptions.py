@@ -29,6 +29,7 @@ from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.schema import Described
 from hotlap.race.track import Track
+from hotlap.system.regular_files import is_there
 from hotlap.system.text_files import cause_of, replace
 
 Description = Track | Quadrotor | Race
@@ -134,13 +135,7 @@ def load_parameters(path: str | Path) -> SavedParameters:
         InputError: with the file, the key and the reason.
     """
     path = Path(path)
-    try:
-        path = path / PARAMETERS_FILE if path.is_dir() else path
-        present = path.exists()
-    except OSError as error:
-        raise InputError(str(path), "", f"cannot be read: {cause_of(error)}") from None
-    if not present:
-        raise InputError(str(path), "", "there is no such file")
+    path = path / PARAMETERS_FILE if is_there(path) and path.is_dir() else path
     table = read(path, str(path))
     refuse_description(table, str(path))
     return SavedParameters.from_table(table, str(path))
@@ -204,7 +199,7 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(place.label, key, f"{show(reference)} is no usable path: {cause_of(error)}") from None
     looks_like_path = "/" in reference or "\\" in reference or reference.lower().endswith((".toml", *ELSEWHERE))
-    has_ending = any(path.with_name(path.name + ".toml").is_file() for path in candidates if path.name)
+    has_ending = any(is_there(path.with_name(path.name + ".toml")) for path in candidates if path.name)
     if found is not None and (looks_like_path or found.is_file() or not has_ending):
         return found
     if not looks_like_path:

@@ -33,6 +33,14 @@ def oddity(path: Path) -> str:
         return ""
 
 
+def is_there(path: Path) -> bool:
+    """Whether something has this path; false where it is too long to be one, or cannot be looked up."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
 def read_bytes(path: str | Path, most: int, meant: str = "this is not a description", label: str = "") -> bytes:
     """What stands in a regular file.
 
