@@ -29,7 +29,7 @@ from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.schema import Described
 from hotlap.race.track import Track
-from hotlap.system.regular_files import is_there
+from hotlap.system.regular_files import is_there, oddity
 from hotlap.system.text_files import cause_of, replace
 
 Description = Track | Quadrotor | Race
@@ -198,6 +198,9 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
         found = next((path for path in candidates if path.exists()), None)
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(place.label, key, f"{show(reference)} is no usable path: {cause_of(error)}") from None
+    odd = _oddity(found) if found is not None and place.label else ""
+    if odd:
+        raise InputError(place.label, key, f"{show(reference)} {odd}")
     looks_like_path = "/" in reference or "\\" in reference or reference.lower().endswith((".toml", *ELSEWHERE))
     has_ending = any(is_there(path.with_name(path.name + ".toml")) for path in candidates if path.name)
     if found is not None and (looks_like_path or found.is_file() or not has_ending):
@@ -210,6 +213,13 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
     if place.label:
         raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}{hint}")
     raise InputError(reference, "", f"there is no such file{hint}")
+
+
+def _oddity(path: Path) -> str:
+    """What stands in the place of a file that another one names; "" where it is one, or cannot be told."""
+    with suppress(OSError, ValueError):
+        return oddity(path)
+    return ""
 
 
 def _meant(path: Path, known: Any) -> str:
