@@ -515,7 +515,7 @@ def test_versions_and_configuration_come_back_as_recorded(tmp_path):
         assert study.configuration.scenario.race == asked.scenario.race
         ((_, versions),) = study.openings
         assert len(study.flights()) == 0
-    assert set(versions) == {"hotlap", "numpy", "numba", "casadi", "python", "platform"}
+    assert set(versions) == {"hotlap", "code", "numpy", "numba", "casadi", "python", "platform"}
 
 
 def test_a_reference_packs_bit_for_bit():

@@ -20,6 +20,7 @@ from hotlap.system.text_files import cause_of
 FILE = "study.sqlite"
 APPLICATION = 0x686F746C  # "hotl", in the header of the file
 BESIDE = ("", "-journal", "-wal", "-shm")  # of the file's name: what SQLite opens
+LONGEST_PATH = 480  # bytes; SQLite takes 512, with what it appends to the name
 STORAGE = (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR)  # at fault is the disk, and nothing that was given
 
 _WORDS = {
@@ -207,7 +208,10 @@ class Database:
             self.execute(f"PRAGMA user_version = {FORMAT}")
 
     def _refuse_odd_files(self) -> None:
-        """Refuse what SQLite would wait for, or write to as if it were a file."""
+        """Refuse what SQLite cannot name, would wait for, or would write to as if it were a file."""
+        size = len(os.fsencode((self.folder / FILE).absolute()))
+        if size > LONGEST_PATH:
+            raise StudyError(str(self.folder), "", f"its path is too long for SQLite: {size} bytes, of {LONGEST_PATH}")
         for path in (self.folder / f"{FILE}{ending}" for ending in BESIDE):
             try:
                 odd = oddity(path)

@@ -11,6 +11,7 @@ import platform
 import re
 import sqlite3
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
@@ -34,12 +35,14 @@ from hotlap.study.database import FILE, Database
 from hotlap.study.increments import grow, increment
 from hotlap.study.result import Result
 from hotlap.study.tried_plan import TriedPlan
+from hotlap.system.disk_cache import digest_sources
 from hotlap.tuners.tuner import remark_of
 from hotlap.tuning.loop import Batch, Tuning, tune
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.timekeeper import Timekeeper
 from hotlap.worlds.world import is_slow
 
+DECIDING = ("core", "dynamics", "race", "reference", "flight", "worlds", "tuners", "tuning")
 RUNS = Path("runs")
 PAGE = "report.html"
 
@@ -208,6 +211,7 @@ class Study(Framed):
 
     def keep_command(self, command: str) -> None:
         """Keep the command that does the same again; "" leaves that of before."""
+        command = command.encode("utf-8", "backslashreplace").decode()  # names of files need not be text
         if command and command != self.command:
             self._enter("command", command)
 
@@ -251,6 +255,11 @@ class Study(Framed):
         rows = self._database.rows("opening")
         with self._database.decoding("when it was opened"):
             return [(str(moment), {**json.loads(versions)}) for moment, versions in rows]
+
+    @property
+    def codes(self) -> set[str]:
+        """Digests of the source code that it was opened with to be continued; "" for versions that kept none."""
+        return {str(versions.get("code", "")) for _, versions in self.openings}
 
     def flights(self) -> Ledger:
         """All flights: search and confirmation in the order flown, then the selection, then the validation."""
@@ -310,6 +319,9 @@ class Study(Framed):
         """
         self._check(objective)
         tuning = self.tuning
+        if tuning.flights and not tuning.done and self.codes - {digest_of_flights()}:
+            told = "some of its flights are of other source code than this; on one code alone it is tuned in a new folder"
+            warnings.warn(f"{self.folder}: {told}", stacklevel=2)
         tuning.together = self.configuration.settings.batch if is_slow(objective.world) else 0
         self._clock, self._mark = clock, clock()
         keeper = Timekeeper(tuning, objective, self.wall_time, clock)
@@ -486,10 +498,21 @@ def count_flights(folder: str | Path) -> int:
         database.close()
 
 
+def digest_of_flights() -> str:
+    """Sixteen hexadecimal digits that change with the source code that decides about flights along a given reference, and about tuners."""
+    return digest_sources(*(f"hotlap.{name}" for name in DECIDING))
+
+
 def _versions() -> dict[str, str]:
     """Versions of the software that the last bit of a flight may depend on."""
     libraries = {name: version(name) for name in ("numpy", "numba", "casadi")}
-    return {"hotlap": __version__, **libraries, "python": platform.python_version(), "platform": platform.platform()}
+    return {
+        "hotlap": __version__,
+        "code": digest_of_flights(),
+        **libraries,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+    }
 
 
 def _show(value: Any) -> str:

@@ -65,9 +65,12 @@ def configured(lines: Sequence[Line], patience: float = PATIENCE) -> bytes:
     _complain(refusals)
     with suppress(OSError):
         number, part = tempfile.mkstemp(dir=kept.parent, suffix=".part")
-        with os.fdopen(number, "wb") as file:
-            file.write(hashlib.sha256(eeprom).digest() + eeprom)
-        Path(part).replace(kept)
+        try:
+            with os.fdopen(number, "wb") as file:
+                file.write(hashlib.sha256(eeprom).digest() + eeprom)
+            Path(part).replace(kept)
+        finally:
+            Path(part).unlink(missing_ok=True)
     return eeprom
 
 
