@@ -77,7 +77,7 @@ def test_what_is_no_text_for_a_command_line_is_refused(tmp_path, content):
 
 
 def test_a_missing_file_is_refused_by_its_name(tmp_path):
-    with pytest.raises(InputError, match=r"none\.txt: cannot be read: No such file"):
+    with pytest.raises(InputError, match=r"none\.txt: there is no such file"):
         read_lines(tmp_path / "none.txt")
 
 

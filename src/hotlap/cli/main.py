@@ -15,7 +15,7 @@ from hotlap.cli.failures import complain, drop_output, print_json, wants_json
 from hotlap.cli.log import LOG, logged
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
-from hotlap.core.errors import HotlapError, InputError, UnknownNameError
+from hotlap.core.errors import HotlapError, InputError, StorageError, UnknownNameError
 from hotlap.core.own_code import OwnCode
 from hotlap.core.platforms import unsupported
 from hotlap.core.version import __version__
@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
             return status
     except HotlapError as error:
-        status = BAD_INPUT if isinstance(error, InputError) else FAILURE
+        status = FAILURE if isinstance(error, StorageError) or not isinstance(error, InputError) else BAD_INPUT
         if wants_json(arguments):
             print_json(error, status)
         return complain(str(error), status)

@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hotlap.core.errors import InputError
-from hotlap.system.whole_files import cause_of, new_part, sync, written_whole
+from hotlap.system.whole_files import cause_of, new_part, not_written, sync, written_whole
 
 
 def create(path: str | Path, text: str) -> None:
@@ -30,7 +30,7 @@ def create(path: str | Path, text: str) -> None:
     except FileExistsError:
         raise InputError(str(path), "", "exists already and is left as it is") from None
     except (OSError, ValueError) as error:
-        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+        raise not_written(path, error) from None
 
 
 def _name_new(part: Path, path: Path) -> None:

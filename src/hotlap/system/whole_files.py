@@ -5,6 +5,7 @@ A name that can be foreseen could be a link that someone has laid there, and the
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 import stat
@@ -13,8 +14,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hotlap.core.errors import InputError
+from hotlap.core.errors import InputError, StorageError
 
+STORAGE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EFBIG})  # what the disk does, whatever was asked for
 BEGINNING, ENDING = ".hotlap-", ".part"
 NEW = os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 ABANDONED = 3600.0  # s after which a part belongs to a process that was killed
@@ -41,7 +43,7 @@ def written_whole(path: Path) -> Iterator[Path]:
             with suppress(OSError):
                 part.unlink(missing_ok=True)
     except OSError as error:
-        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+        raise not_written(path, error) from None
 
 
 def new_part(folder: Path, mode: int = 0o666) -> Path:
@@ -70,6 +72,12 @@ def sync(path: Path) -> None:
             raise
     finally:
         os.close(descriptor)
+
+
+def not_written(path: str | Path, error: Exception) -> InputError:
+    """The error that says why a file cannot be written: a `StorageError` where its disk is at fault, and no name that was given."""
+    kind = StorageError if isinstance(error, OSError) and error.errno in STORAGE else InputError
+    return kind(str(path), "", f"cannot be written: {cause_of(error)}")
 
 
 def cause_of(error: Exception) -> str:
