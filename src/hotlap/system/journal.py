@@ -19,7 +19,7 @@ from typing import Any, Self
 from hotlap.core.errors import InputError, StorageError, StudyError
 from hotlap.system.folder_lock import hold
 from hotlap.system.regular_files import MISSING, read_bytes
-from hotlap.system.text_files import STORAGE, written_whole
+from hotlap.system.whole_files import STORAGE, written_whole
 
 DAMAGED = ".damaged"  # behind the name of the file in which damaged lines are kept
 MOST_BYTES = 2_000_000_000
