@@ -20,7 +20,7 @@ from hotlap.report.scene import Scene, stage
 from hotlap.report.style import own_settings
 from hotlap.study.snapshot import Snapshot, read_snapshot
 from hotlap.study.study import Study
-from hotlap.system.text_files import written_whole
+from hotlap.system.whole_files import written_whole
 from hotlap.worlds.world import World, is_slow
 
 FLIGHTS = 8  # of each set of parameters, all with the same noise; the first of each is drawn in full
