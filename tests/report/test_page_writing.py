@@ -198,6 +198,6 @@ def test_what_was_asked_for_stands_first_and_is_marked(tmp_path):
     assert [one.asked for one in replay.robustness] == [False, True, True, False, False, False, False]
     words = " ".join(read(render_static(study, replay)).words)
     assert "asked for" in words
-    assert words.index("steady wind of 3 m/s^2") < words.index("10 % heavier") < words.index("10 % lighter")
+    assert words.index("steady push of 3 m/s^2 as of wind") < words.index("10 % heavier") < words.index("10 % lighter")
     html = render(study, replay)
     assert html.count('"asked":true') == 2

@@ -61,13 +61,13 @@ export function scenario(plot: uPlot, pen: CanvasRenderingContext2D, track: Scen
   pen.stroke();
 }
 
-export type Shape = "disc" | "ring" | "diamond" | "cross";
+export type Shape = "disc" | "ring" | "diamond" | "cross" | "halo";
 
 /** One point of a scatter. */
 export function mark(pen: CanvasRenderingContext2D, shape: Shape, x: number, y: number, size: number, colour: string, face: string): void {
   pen.strokeStyle = colour;
   pen.fillStyle = shape === "ring" ? face : colour;
-  pen.lineWidth = Math.max(1, size * 0.4);
+  pen.lineWidth = shape === "halo" ? 1.5 * uPlot.pxRatio : Math.max(1, size * 0.4);
   pen.beginPath();
   if (shape === "cross") {
     pen.moveTo(x - size, y - size);
@@ -82,6 +82,6 @@ export function mark(pen: CanvasRenderingContext2D, shape: Shape, x: number, y: 
     for (const [dx, dy] of [[1.3, 0], [0, 1.3], [-1.3, 0]]) pen.lineTo(x + dx * size, y + dy * size);
     pen.closePath();
   } else pen.arc(x, y, size, 0, 2 * Math.PI);
-  pen.fill();
-  if (shape === "ring") pen.stroke();
+  if (shape !== "halo") pen.fill();
+  if (shape === "ring" || shape === "halo") pen.stroke();
 }

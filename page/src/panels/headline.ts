@@ -25,14 +25,14 @@ function title(summary: Headline): HTMLElement {
   const mistaken = (summary.mistaken ?? []).map((name) => name.replaceAll("_", " ")).join(", ");
   const vehicle = [summary.vehicle, latency(summary.latency_unknown ?? 0)];
   const work = summary.state === "running" ? `running: ${summary.flights} of ${summary.budget} flights` : `${failed(summary) ? "not solved" : "tuned"} in ${count(summary.flights, "flight")}${chosen(summary)}`;
-  const time = summary.wall_time === null ? "" : `, ${summary.wall_time < 100 ? summary.wall_time.toFixed(1) : Math.round(summary.wall_time)} s`;
+  const time = summary.wall_time === null ? "" : `; search time ${summary.wall_time < 100 ? summary.wall_time.toFixed(1) : Math.round(summary.wall_time)} s`;
   return h(
     "div",
     { class: "title" },
     h("h1", {}, summary.race),
     h("p", {}, vehicle.filter(Boolean).join(" + ")),
     mistaken ? h("p", { class: "quiet" }, `the controller's model differs from the vehicle in: ${mistaken}`) : null,
-    h("p", { class: "quiet" }, `${work}${time} by ${summary.tuner.replace(/:default$/, "").replaceAll("_", " ")}; goal ${summary.goal}; seed ${summary.seed}`),
+    h("p", { class: "quiet" }, `${work} by ${summary.tuner.replace(/:default$/, "").replaceAll("_", " ")}${time}; goal ${summary.goal}; seed ${summary.seed}`),
     summary.remark ? h("p", { class: "quiet" }, summary.remark) : null,
   );
 }

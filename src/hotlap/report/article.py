@@ -177,9 +177,11 @@ def percent(share: float) -> str:
 
 
 STYLE = """
-:root { color-scheme: light dark; --ink: #1d2228; --quiet: #626b75; --line: #d9dde2; --paper: #ffffff; --accent: #0063a6; }
+:root { color-scheme: light dark; --ink: #1d2228; --quiet: #626b75; --line: #d9dde2; --paper: #ffffff; --accent: #0063a6;
+  --more: #00000045; }
 @media (prefers-color-scheme: dark) {
-  :root { --ink: #e6e9ed; --quiet: #9aa4af; --line: #343c46; --paper: #14181d; --accent: #6cb6f0; }
+  :root { --ink: #e6e9ed; --quiet: #9aa4af; --line: #343c46; --paper: #14181d; --accent: #6cb6f0;
+    --more: #ffffff60; }
 }
 body { margin: 0; background: var(--paper); color: var(--ink); font: 16px/1.5 system-ui, sans-serif; }
 main { max-width: 72rem; margin: 0 auto; padding: 1.5rem 1rem 4rem; }
@@ -192,7 +194,11 @@ img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
 @media screen and (prefers-color-scheme: dark) { img { filter: invert(0.91) hue-rotate(180deg); } } /* light turns dark, colours stay */
 a { color: var(--accent); }
 code { font: 0.9em ui-monospace, monospace; overflow-wrap: anywhere; }
-.wide { overflow-x: auto; margin: 1rem 0; }
+.wide { overflow-x: auto; margin: 1rem 0; background:
+  linear-gradient(to right, var(--paper) 40%, transparent) left / 32px 100% no-repeat local,
+  linear-gradient(to left, var(--paper) 40%, transparent) right / 32px 100% no-repeat local,
+  linear-gradient(to right, var(--more), transparent) left / 14px 100% no-repeat scroll,
+  linear-gradient(to left, var(--more), transparent) right / 14px 100% no-repeat scroll; } /* a shadow where there is more */
 table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums; }
 th, td { padding: 0.3rem 0.9rem 0.3rem 0; text-align: left; border-bottom: 1px solid var(--line); white-space: nowrap; }
 thead th { color: var(--quiet); font-weight: 500; }

@@ -124,7 +124,7 @@ main { max-width: 84rem; }
 .choice { display: flex; flex-wrap: wrap; gap: 0.5rem; }
 .choice button[aria-pressed=true] { border-color: var(--accent); box-shadow: inset 0 0 0 1px var(--accent); }
 @media (min-width: 60rem) and (min-height: 40rem) { .drawn .legend { position: sticky; top: 0; max-height: 20vh; overflow-y: auto; } }
-table.heat td { text-align: right; background: color-mix(in srgb, var(--accent) calc(var(--heat, 0%) * 0.5), var(--paper)); }
+table.heat td { text-align: right; background: color-mix(in srgb, var(--accent) calc(var(--heat, 0%) * 0.5), transparent); }
 table.heat thead th { white-space: normal; vertical-align: bottom; text-align: right; }
 table.heat thead th:first-child { text-align: left; }
 table.heat td, table.heat thead th:not(:first-child) { padding-left: 0.9rem; }

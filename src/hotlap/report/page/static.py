@@ -113,7 +113,7 @@ def _facts(snapshot: Snapshot) -> dict[str, object]:
         "goal": str(settings.goal),
         "seed": settings.seed,
         "flights": "" if result is None else f"{result.flights} of at most {settings.budget}, re-flights included",
-        "wall time": "" if result is None else f"{result.wall_time:.1f} s",
+        "search time": "" if result is None else f"{result.wall_time:.1f} s",
         "remark": snapshot.remark,
         "world": asked.world,
         "fingerprint": asked.fingerprint,
