@@ -23,7 +23,7 @@ interface Kind {
 /** The card with completion and cost over flights. */
 export function convergence(app: App): { readonly element: HTMLElement; readonly build: () => void } {
   const key = h("p", { class: "key" });
-  const said = h("p", { class: "said" }, "Point at a flight to read its values.");
+  const said = h("p", { class: "said" }, h("span", { class: "by-mouse" }, "Point at a flight to read its values."), h("span", { class: "by-touch" }, "Touch a flight to read its values."));
   const name = h("span", {}, "cost");
   const [completion, cost] = ["completion", "cost"].map((what) => h("div", { class: "plot", role: "img", "aria-label": `${what} of every flight in the order flown` }));
   const frames = [
@@ -41,7 +41,7 @@ export function convergence(app: App): { readonly element: HTMLElement; readonly
   app.theme.after(build);
   const upper = h("figure", { class: "chart" }, h("figcaption", {}, "completion [%]"), completion);
   const lower = h("figure", { class: "chart" }, h("figcaption", {}, name), cost);
-  const note = "Line: the best single search flight so far, which may be lucky; dashed: the tuned parameters, the mean of their flights.";
+  const note = "Line: the best single search flight so far, which may be lucky.";
   return { element: card("convergence", "Convergence of the search", note, key, upper, lower, said), build };
 }
 
@@ -67,7 +67,6 @@ function draw(app: App, colours: Palette, of: (flights: Flights) => Table, summa
     yValues: (value) => (share && value > 100 ? "" : digits(value)),
     ...(logarithmic ? { ySplits: decades(...edges) } : {}),
     above: (plot, pen) => {
-      if (Number.isFinite(kept)) level(plot, pen, kept, `tuned, ${meanOf(summary.kept?.flights ?? 0)}`, colours, share && kept > 50, true);
       const size = (rows.length <= 80 ? 4 : rows.length <= 300 ? 3 : 2) * uPlot.pxRatio;
       rows.forEach((row, i) => {
         if (!Number.isFinite(values[i])) return;
@@ -76,6 +75,7 @@ function draw(app: App, colours: Palette, of: (flights: Flights) => Table, summa
         if (kind) mark(pen, kind.shape, x, y, size, colourOf(flights, row, kind, colours), colours.face);
         if (isTuned(flights, row)) mark(pen, "halo", x, y, size + 3 * uPlot.pxRatio, colours.ink, colours.face);
       });
+      if (Number.isFinite(kept)) level(plot, pen, kept, "tuned", colours, share && kept > 50, true);
     },
   };
 }
@@ -86,8 +86,8 @@ function kinds(colours: Palette, flights: Flights): readonly Kind[] {
   return [
     { shape: "disc", colour: colours.accent, name: passed, of: (row) => search(row) && Boolean(flights.succeeded[row]) },
     { shape: "ring", colour: colours.accent, name: failed, of: search },
-    { shape: "diamond", colour: colours.again, name: "re-flights passed", of: (row) => Boolean(flights.succeeded[row]) },
-    { shape: "cross", colour: colours.failure, name: "re-flights failed", of: () => true },
+    { shape: "diamond", colour: colours.again, name: "of the re-flights passed", of: (row) => Boolean(flights.succeeded[row]) },
+    { shape: "cross", colour: colours.failure, name: "of the re-flights failed", of: () => true },
   ];
 }
 
@@ -108,10 +108,12 @@ function keys(app: App, flights: Flights): HTMLElement[] {
     if (kind) occurring.set(kind.name, (occurring.get(kind.name) ?? 0) + 1);
   }
   const sign = (shape: Shape): HTMLElement => h("b", { class: `sign ${shape}`, "aria-hidden": "true" }, signs[shape]);
+  const mean = app.parts.headline.value.kept?.flights;
   const kept = searchRows(flights).some((row) => isTuned(flights, row));
   return [
     ...all.filter((kind) => occurring.has(kind.name)).map((kind) => h("span", {}, sign(kind.shape), `${occurring.get(kind.name)} ${kind.name}`)),
     ...(kept ? [h("span", {}, sign("halo"), "tuned: the one that was kept")] : []),
+    ...(mean ? [h("span", {}, h("b", { class: "sign grey", "aria-hidden": "true" }, "┄"), `tuned, ${meanOf(mean)}`)] : []),
     ...(flights.chain ? [acceptance()] : []),
   ];
 }

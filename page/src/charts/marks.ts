@@ -35,7 +35,12 @@ export function level(plot: uPlot, pen: CanvasRenderingContext2D, value: number,
   pen.fillStyle = colours.quiet;
   pen.textAlign = "right";
   pen.textBaseline = under ? "top" : "bottom";
-  pen.fillText(text, left + width - 3 * uPlot.pxRatio, y + (under ? 2 : -2) * uPlot.pxRatio);
+  const place = [text, left + width - 3 * uPlot.pxRatio, y + (under ? 2 : -2) * uPlot.pxRatio] as const;
+  pen.strokeStyle = colours.face; // around the letters, so that they can be read on lines and marks
+  pen.lineWidth = 3 * uPlot.pxRatio;
+  pen.lineJoin = "round";
+  pen.strokeText(...place);
+  pen.fillText(...place);
 }
 
 /** Gates as ticks on the axis, the lit segment as a band, the others as edges. */

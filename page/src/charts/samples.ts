@@ -104,21 +104,22 @@ function drawMarginal(pen: CanvasRenderingContext2D, values: readonly number[], 
     values.forEach((value, i) => {
       if (Boolean(samples.succeeded[i]) === wanted) bins[Math.min(BINS - 1, Math.max(0, Math.floor(value * BINS)))]++;
     });
-    const most = Math.max(...bins, 1);
-    return bins.map((number) => number / most);
+    return bins;
   };
+  const [failed, passed] = [counts(false), counts(true)];
+  const most = Math.max(...failed, ...passed, 1); // one scale for both
   const step = cell / BINS;
   pen.strokeStyle = colours.quiet;
   pen.beginPath();
-  counts(false).forEach((part, i) => {
-    const y = cell - part * cell * 0.85;
+  failed.forEach((part, i) => {
+    const y = cell - (part / most) * cell * 0.85;
     pen.lineTo(i * step, y);
     pen.lineTo((i + 1) * step, y);
   });
   pen.stroke();
   pen.fillStyle = colours.accent;
   pen.globalAlpha = 0.55;
-  counts(true).forEach((part, i) => pen.fillRect(i * step, cell - part * cell * 0.85, step, part * cell * 0.85));
+  passed.forEach((part, i) => pen.fillRect(i * step, cell - (part / most) * cell * 0.85, step, (part / most) * cell * 0.85));
   pen.globalAlpha = 1;
 }
 

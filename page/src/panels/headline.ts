@@ -50,7 +50,7 @@ function latency(unknown: number): string {
 
 function facts(summary: Headline): HTMLElement[] {
   const plan = summary.planned_lap_time === null ? "" : `plan ${seconds(summary.planned_lap_time)}`;
-  const laps = summary.lap_time === null ? "no flight passed every gate" : failed(summary) ? "of the few flights that passed every gate" : "";
+  const laps = summary.lap_time === null ? "no flight passed every gate" : failed(summary) ? "of the flights that passed every gate" : "";
   const { validation } = summary;
   return [
     fact("lap time", seconds(summary.lap_time), [laps, plan].filter(Boolean).join("; ")),
