@@ -191,7 +191,10 @@ p, figcaption { max-width: 46rem; }
 figcaption { color: var(--quiet); font-size: 0.85rem; margin-top: 0.3rem; }
 figure { margin: 1.5rem 0; }
 img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
-@media screen and (prefers-color-scheme: dark) { img { filter: invert(0.91) hue-rotate(180deg); } } /* light turns dark, colours stay */
+@media screen and (prefers-color-scheme: dark) { /* light turns dark, colours stay, and the ground is that of the page */
+  img { filter: invert(0.93) hue-rotate(180deg) brightness(1.15); mix-blend-mode: lighten; }
+}
+@media screen and (max-width: 600px) { figure:has(> img) { overflow-x: auto; } img { max-width: none; width: 34rem; } }
 a { color: var(--accent); }
 code { font: 0.9em ui-monospace, monospace; overflow-wrap: anywhere; }
 .wide { overflow-x: auto; margin: 1rem 0; background:
@@ -208,6 +211,7 @@ th button::after { content: " \\21c5"; opacity: 0.45; }
 th[aria-sort=ascending] button::after { content: " \\2191"; opacity: 1; }
 th[aria-sort=descending] button::after { content: " \\2193"; opacity: 1; }
 table.sortable tbody th { position: sticky; left: 0; background: var(--paper); }
+tr.over th { border-bottom: 0; padding-bottom: 0; }
 th.number, td.number { text-align: right; }
 th.long { white-space: normal; min-width: 10rem; vertical-align: bottom; }
 @media print {
