@@ -133,8 +133,8 @@ def robustness(jobs: ResumableJobs, *, quick: bool) -> Article:
     shares = jobs.each("flights", flights, fly_controllers)
     page = Article("Robustness")
     page.say(
-        f"Mean completion [%] on {base.name} of {count(seeds, 'controller')}, {FLIGHTS} flights each, tuned under the condition of the row and "
-        "flown under that of the column. The condition is in neither the plan nor the controller's model, except speed and layout, which "
+        f"Mean completion [%] on {base.name} of {count(seeds, 'controller')}, {FLIGHTS} flights each, tuned under the condition of "
+        "the row and flown under that of the column. The condition is in neither the plan nor the controller's model, except speed and layout, which "
         "change the plan. Tuned from the default weights."
     )
     for axis, races in grids.items():

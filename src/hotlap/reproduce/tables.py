@@ -75,8 +75,8 @@ def table1(jobs: ResumableJobs, *, quick: bool) -> Article:
     page = Article("Table I: completion")
     page.say(
         "Two tables for each suite. The first: mean completion [%] of the best candidate at the end of a run, with a 95 % interval by "
-        "resampling (none where all runs are alike), the paper's in round brackets. The second: the share of runs that confirmed a controller "
-        "[%] with Wilson's interval / median search flights until then, a dash where fewer than half of the runs did. "
+        "resampling (none where all runs are alike), the paper's in round brackets. The second: the share of runs that confirmed a "
+        "controller [%] with Wilson's interval / median search flights until then, a dash where fewer than half of the runs did. "
         f"{len(seeds)} seeds, {_budgets(methods, quick=quick)}, from the authors' default weights; the paper begins at its learned guess."
         f"{'' if quick else BEYOND}"
     )
