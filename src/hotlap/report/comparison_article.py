@@ -32,8 +32,8 @@ def compose_article(runs: Sequence[Run], source: str, command: str) -> Article:
         "*Confirmed*: the share of runs that found a controller which passed its re-flights. *Validated*: the share of fresh flights in "
         "which that controller then met the goal. *Lap*: the median over the races and seeds that all tuners solved, in brackets how many "
         "these are. *Flights*: search flights to the confirmed controller, the median, and that with re-flights. *Completion at 50*: of "
-        "the best candidate after 50 flights, the median. *ms/flight*: the tuner's own time for a flight. In square brackets: 95 % intervals, "
-        "for flights the quartiles; a dash where fewer than that confirmed a controller, or none did. A press on the head of a column "
+        "the best candidate after 50 flights, the median. *ms/flight*: the tuner's own time for a flight. In square brackets: 95 % "
+        "intervals, for flights the quartiles; a dash where fewer than that confirmed a controller, or none did. A press on the head of a column "
         "sorts the table."
     )
     article.head("Over all races")
@@ -111,7 +111,8 @@ main { max-width: 84rem; }
 .chart { margin: 0; position: relative; }
 .chart .cursor { stroke: var(--ink); stroke-width: 1; fill: none; }
 .values { position: absolute; top: 2rem; z-index: 1; display: grid; padding: 0.3rem 0.6rem; border: 1px solid var(--line);
-  border-radius: 4px; background: var(--paper); font-size: 0.8rem; font-variant-numeric: tabular-nums; pointer-events: none; white-space: nowrap; }
+  border-radius: 4px; background: var(--paper); font-size: 0.8rem; font-variant-numeric: tabular-nums;
+  pointer-events: none; white-space: nowrap; }
 .values[hidden] { display: none; }
 .values span { color: var(--own); }
 .chart figcaption { color: var(--ink); font-weight: 500; margin: 0; }

@@ -70,11 +70,12 @@ def curve_chart(curves: Curves, looks: Mapping[str, Look]) -> str:
     axes, at, shifts = Axes(262, 130, max(float(curves.flights[-1]), 2.0)), curves.flights.astype(float), curves.shifts
     ids = _ids(looks)
     lines = [
-        element(
-            "path", d=axes.step(at, curves.middle[i], shifts[i] * (LINE + 0.4)), class_=f"line {ids[tuner]}", data_tuner=ids[tuner], **said
+        _line(
+            axes.step(at, curves.middle[i], shifts[i] * (LINE + 0.4)),
+            ids[tuner],
+            _said(at, curves.middle[i], curves.low[i], curves.high[i]),
         )
         for i, tuner in enumerate(curves.tuners)
-        for said in [_said(at, curves.middle[i], curves.low[i], curves.high[i])]
     ]
     bands = [
         element("path", d=_area(axes, at, curves.low[i], curves.high[i]), class_=f"band {ids[tuner]}", data_tuner=ids[tuner])
@@ -92,16 +93,7 @@ def profile_chart(runs: Sequence[Run], looks: Mapping[str, Look]) -> str:
     found = profiles(runs, FACTORS)
     shares = np.array([found[tuner] for tuner in looks])
     shifts = Curves("", tuple(looks), np.arange(len(FACTORS)), shares, shares, shares).shifts * (LINE + 0.4)
-    lines = [
-        element(
-            "path",
-            d=axes.step(FACTORS, shares[i], shifts[i]),
-            class_=f"line {ids[tuner]}",
-            data_tuner=ids[tuner],
-            **_said(FACTORS, shares[i]),
-        )
-        for i, tuner in enumerate(looks)
-    ]
+    lines = [_line(axes.step(FACTORS, shares[i], shifts[i]), ids[tuner], _said(FACTORS, shares[i])) for i, tuner in enumerate(looks)]
     drawn = _chart(axes, FACTOR_TICKS, "search flights, as a multiple of the fewest", "solved [%]", lines)
     return element("figure", _svg(axes, drawn, "Performance profile", "within {x} times"), class_="chart wide-chart")
 
@@ -165,6 +157,11 @@ def _chart(axes: Axes, ticks: Sequence[int], along: str, up: str, data: Sequence
     yield element("text", text(along), x=f"{axes.LEFT + axes.width / 2:g}", y=f"{bottom + 28:g}", text_anchor="middle", class_="name")
     yield element("text", text(up), x=0, y=0, transform=f"translate(11 {middle:g}) rotate(-90)", text_anchor="middle", class_="name")
     yield from data
+
+
+def _line(path: str, tuner: str, said: Mapping[str, str]) -> str:
+    """The line of a tuner, with what it says."""
+    return element("path", d=path, class_=f"line {tuner}", data_tuner=tuner, **said)
 
 
 def _said(at: Floats, *values: Floats) -> dict[str, str]:

@@ -134,8 +134,8 @@ def robustness(jobs: ResumableJobs, *, quick: bool) -> Article:
     page = Article("Robustness")
     page.say(
         f"Mean completion [%] on {base.name} of {count(seeds, 'controller')}, {FLIGHTS} flights each, tuned under the condition of "
-        "the row and flown under that of the column. The condition is in neither the plan nor the controller's model, except speed and layout, which "
-        "change the plan. Tuned from the default weights."
+        "the row and flown under that of the column. The condition is in neither the plan nor the controller's model, except speed and "
+        "layout, which change the plan. Tuned from the default weights."
     )
     for axis, races in grids.items():
         values = [[shares[f"{axis} {row} flown at {axis} {column}"] for column in races] for row in races]

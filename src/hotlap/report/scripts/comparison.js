@@ -18,6 +18,7 @@ for (const button of document.querySelectorAll(".legend button")) {
 
 const NAMES = new Map([...document.querySelectorAll(".legend button")].map(({ dataset, textContent }) => [dataset.tuner, textContent]));
 const STEP = 1.04; // of x, for a press of an arrow
+const GAP = 8; // px, from the pointer to the box
 
 /** Values of a line at x: the last that were reached; null beyond its end. */
 function valuesAt(line, x) {
@@ -57,9 +58,11 @@ function say(chart) {
     head.textContent = place.replace("{x}", whole ? String(shown) : shown.toFixed(shown < 10 ? 1 : 0));
     box.replaceChildren(head, ...rows);
     box.hidden = false;
-    const share = across / chart.viewBox.baseVal.width;
-    box.style.left = share < 0.5 ? `calc(${100 * share}% + 0.6rem)` : "auto";
-    box.style.right = share < 0.5 ? "auto" : `calc(${100 * (1 - share)}% + 0.6rem)`;
+    const { left: edge, width: size } = chart.getBoundingClientRect();
+    const pixels = edge + (across / chart.viewBox.baseVal.width) * size;
+    const right = pixels + GAP + box.offsetWidth < document.documentElement.clientWidth;
+    const from = right ? pixels + GAP : Math.max(GAP, pixels - GAP - box.offsetWidth);
+    box.style.left = `${Math.min(from, document.documentElement.clientWidth - GAP - box.offsetWidth) - edge}px`;
   };
   const hide = () => {
     box.hidden = true;
