@@ -33,8 +33,8 @@ def compose_article(runs: Sequence[Run], source: str, command: str) -> Article:
         "which that controller then met the goal. *Lap*: the median over the races and seeds that all tuners solved, in brackets how many "
         "these are. *Flights*: search flights to the confirmed controller, the median, and that with re-flights. *Completion at 50*: of "
         "the best candidate after 50 flights, the median. *ms/flight*: the tuner's own time for a flight. In square brackets: 95 % "
-        "intervals, for flights the quartiles; a dash where fewer than that confirmed a controller, or none did. A press on the head of a column "
-        "sorts the table."
+        "intervals, for flights the quartiles; a dash where fewer than that confirmed a controller, or none did. A press on the head of "
+        "a column sorts the table."
     )
     article.head("Over all races")
     _add_table(article, overall(runs))
