@@ -112,7 +112,7 @@ function keys(app: App, flights: Flights): HTMLElement[] {
   const kept = searchRows(flights).some((row) => isTuned(flights, row));
   return [
     ...all.filter((kind) => occurring.has(kind.name)).map((kind) => h("span", {}, sign(kind.shape), `${occurring.get(kind.name)} ${kind.name}`)),
-    ...(kept ? [h("span", {}, sign("halo"), "tuned: the one that was kept")] : []),
+    ...(kept ? [h("span", {}, sign("halo"), app.parts.headline.value.state === "running" ? "tuned: the one that is kept so far" : "tuned: the one that was kept")] : []),
     ...(mean ? [h("span", {}, h("b", { class: "sign grey", "aria-hidden": "true" }, "┄"), `tuned, ${meanOf(mean)}`)] : []),
     ...(flights.chain ? [acceptance()] : []),
   ];

@@ -26,7 +26,7 @@ export function samples(app: App): { readonly element: HTMLElement; readonly bui
     renew(body, said, canvas);
     const names = app.parts.scenario.value.segment_names;
     const segment = Math.min(app.chosen.value, names.length - 1);
-    said.replaceChildren(...keys(samples.value));
+    said.replaceChildren(...keys(samples.value, app.parts.headline.value.state === "running"));
     canvas.setAttribute("aria-label", `parameters tried in segment ${names[segment]}, each by itself and in pairs`);
     draw(canvas, samples.value, parameters.value, segment, palette(app.theme.value));
   };
@@ -37,7 +37,7 @@ export function samples(app: App): { readonly element: HTMLElement; readonly bui
   return { element: card("samples", "Parameters of the search flights", note, segmentSwitch(app, "samples"), body), build };
 }
 
-function keys(samples: Samples): HTMLElement[] {
+function keys(samples: Samples, running: boolean): HTMLElement[] {
   const rows = samples.parameters.shape[0];
   const [passed, failed] = samples.verdicts;
   const total = samples.of > rows ? `${rows} of ${samples.of} search flights` : count(rows, "search flight");
@@ -45,7 +45,7 @@ function keys(samples: Samples): HTMLElement[] {
     h("span", {}, `${total}: `),
     h("span", {}, h("b", { class: "sign disc", "aria-hidden": "true" }, "●"), passed),
     h("span", {}, h("b", { class: `sign ${samples.chain ? "disc" : "grey"}`, "aria-hidden": "true" }, "○"), failed),
-    h("span", {}, h("b", { class: "sign", "aria-hidden": "true" }, "┼"), "tuned: the one that was kept"),
+    h("span", {}, h("b", { class: "sign", "aria-hidden": "true" }, "┼"), running ? "tuned: the one that is kept so far" : "tuned: the one that was kept"),
     ...(samples.chain ? [acceptance()] : []),
   ];
 }

@@ -198,8 +198,8 @@ img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
 a { color: var(--accent); }
 code { font: 0.9em ui-monospace, monospace; overflow-wrap: anywhere; }
 .wide { overflow-x: auto; margin: 1rem 0; background:
-  linear-gradient(to right, var(--paper) 40%, transparent) left / 32px 100% no-repeat local,
-  linear-gradient(to left, var(--paper) 40%, transparent) right / 32px 100% no-repeat local,
+  linear-gradient(to right, var(--paper) 40%, transparent) left 0 top -1px / 32px calc(100% + 2px) no-repeat local,
+  linear-gradient(to left, var(--paper) 40%, transparent) right 0 top -1px / 32px calc(100% + 2px) no-repeat local,
   linear-gradient(to right, var(--more), transparent) left / 14px 100% no-repeat scroll,
   linear-gradient(to left, var(--more), transparent) right / 14px 100% no-repeat scroll; } /* a shadow where there is more */
 table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums; }
