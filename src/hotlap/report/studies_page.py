@@ -20,18 +20,8 @@ from hotlap.study.glance import Follower, Glance, State, find_studies
 
 OPEN_AT_ONCE = 8  # pages of studies that are kept, with what they have flown
 HEADS = (
-    "study",
-    "state",
-    "flights",
-    "completion [%]",
-    "validated [%] (flights)",
-    "lap [s]",
-    "race",
-    "tuner",
-    "goal",
-    "world",
-    "seed",
-    "changed",
+    *("study", "state", "flights", "completion [%]", "validated [%] (flights)", "lap [s]"),
+    *("race", "tuner", "goal", "world", "seed", "changed"),
 )
 NUMBERS = (2, 3, 4, 5, 10)
 

@@ -33,7 +33,7 @@ class State(StrEnum):
     SEARCHING = "searching"
     STOPPED = "stopped"
     CONFIRMED = "confirmed"
-    NOT_CONFIRMED = "not confirmed"
+    NOT_SOLVED = "not solved"
     FINISHED = "finished"
     UNREADABLE = "unreadable"
 
@@ -164,7 +164,7 @@ class Follower:
             return glance
         if parse_goal(asked["goal"]).quantity is Quantity.NONE:
             return replace(glance, state=State.FINISHED)
-        return replace(glance, state=State.CONFIRMED if best.get("confirmed") else State.NOT_CONFIRMED)
+        return replace(glance, state=State.CONFIRMED if best.get("confirmed") else State.NOT_SOLVED)
 
     def _is_done(self, glance: Glance) -> bool:
         """Whether the search is over, and its result validated where that is asked for."""
