@@ -108,3 +108,11 @@ def test_a_comparison_without_a_command_does_not_name_one():
 
 def test_scripts_cannot_end_their_element():
     assert "</" not in load_script("tables", "comparison")
+
+
+def test_a_line_says_the_values_of_its_curve_wherever_they_change():
+    curves = curves_of("r", [make_run("a", "r", 0, budget=60, curve=((1, 0.25), (7, 1.0)))])
+    [line] = re.findall(r'<path[^>]*class="line[^>]*>', curve_chart(curves, looks_of(["a"])))
+    assert re.search('data-steps="([^"]*)"', line)[1] == "1 25 25 25;7 100 100 100"
+    assert re.search('data-end="([^"]*)"', line)[1] == "60"
+    assert re.findall('data-steps="1 [0-9]', profile_chart([make_run("a", "r", 0)], looks_of(["a"])))

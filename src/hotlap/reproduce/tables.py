@@ -82,8 +82,8 @@ def table1(jobs: ResumableJobs, *, quick: bool) -> Article:
     )
     for suite, own in suites.items():
         page.head(suite)
-        page.table(("method", *(race.name for race in own)), _table1_rows(own, methods, runs, published=suite != "latency known"))
-        page.table(("method", *(race.name for race in own)), _solved_rows(own, methods, runs))
+        page.table(("completion [%]", *(race.name for race in own)), _table1_rows(own, methods, runs, published=suite != "latency known"))
+        page.table(("confirmed [%] / flights", *(race.name for race in own)), _solved_rows(own, methods, runs))
     return page
 
 
