@@ -60,7 +60,7 @@ def test_a_long_name_of_a_row_has_a_line_of_its_own_and_that_of_a_column_several
     head, body = made.html.partition("<thead>")[2].split("</thead>")
     assert f'<th scope="col" class="number long">{long}</th>' in head
     assert '<tr><th scope="row">gate_gp</th><td class="number">97</td></tr>' in body
-    assert f'<tr><th scope="row" colspan="2" class="long">{long}</th></tr><tr><td></td><td class="number">3</td></tr>' in body
+    assert f'<tr class="over"><th scope="row" colspan="2" class="long">{long}</th></tr><tr><td></td><td class="number">3</td></tr>' in body
     assert "th.long { white-space: normal;" in made.html
     assert f"| {long} | 3 |" in made.markdown
 

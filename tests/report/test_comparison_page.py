@@ -68,7 +68,7 @@ def test_a_chart_draws_each_tuner_within_its_frame_and_says_what_its_axes_are():
     looks = looks_of(TUNERS)
     axes = Axes(262, 130, 200)
     for chart in (curve_chart(curves_of("all differ", runs), looks), profile_chart(runs, looks)):
-        paths = re.findall(r'<path d="(M[^"]*)" class="line t\d" data-tuner="(t\d)">', chart)
+        paths = re.findall(r'<path d="(M[^"]*)" class="line t\d" data-tuner="(t\d)" data-steps="', chart)
         assert [tuner for _, tuner in paths] == ["t0", "t1", "t2", "t3"]
         assert all(re.fullmatch(r"M[\d.]+ [\d.]+(H[\d.]+(V[\d.]+)?)+", path) for path, _ in paths), "steps alone"
         assert chart.count('class="name"') == 2
