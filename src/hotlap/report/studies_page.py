@@ -172,7 +172,8 @@ OWN_STYLE = """
 main { max-width: none; }
 .sift input { font: inherit; font-size: 1rem; padding: 0.2rem 0.5rem; width: 14rem; max-width: 100%; color: inherit;
   background: var(--paper); border: 1px solid var(--line); border-radius: 4px; }
-#count, #lost { color: var(--quiet); white-space: nowrap; }
+#count, #lost { color: var(--quiet); }
+#count { white-space: nowrap; }
 #studies th, #studies td { padding-right: 0.5rem; }
 tr[data-state=searching] td:nth-child(2) { color: var(--accent); font-weight: 600; }
 tr[data-state=unreadable] { color: var(--quiet); }
