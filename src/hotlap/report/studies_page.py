@@ -175,6 +175,7 @@ main { max-width: none; }
 #count, #lost { color: var(--quiet); }
 #count { white-space: nowrap; }
 #studies th, #studies td { padding-right: 0.5rem; }
+#studies thead th { white-space: normal; vertical-align: bottom; }
 tr[data-state=searching] td:nth-child(2) { color: var(--accent); font-weight: 600; }
 tr[data-state=unreadable] { color: var(--quiet); }
 tr[data-state=unreadable] td:nth-child(2) { white-space: normal; min-width: 12rem; }
