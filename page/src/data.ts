@@ -38,6 +38,8 @@ export interface Headline {
   readonly confirmed: boolean;
   readonly confirm: number;
   readonly kept?: Kept;
+  /** That the search kept what it began with, in words; pages of before do not say. */
+  readonly kept_guess?: string | null;
   readonly validation: Interval | null;
   readonly wall_time: number | null;
   readonly remark: string;
@@ -240,6 +242,10 @@ export interface Sensitivity {
   readonly cost_name?: string;
   readonly cost?: Table;
   readonly cost_by_segment?: Table;
+  /** Whether completion is the same whatever is changed; whether the cost is shown in its place, over factors and in segments. */
+  readonly flat: boolean;
+  readonly cost_tells: boolean;
+  readonly cost_tells_by_segment: boolean;
 }
 
 /** What is left of thrust and body rates over what the plan needs, where that is least. */

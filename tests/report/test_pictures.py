@@ -13,6 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from fake_world import make_scenario
+from hotlap.analysis.sensitivity import survey_sensitivity
 from hotlap.core.errors import InputError
 from hotlap.core.records import End, Log
 from hotlap.core.seeds import Stream, flight_seeds
@@ -364,3 +365,18 @@ def test_samples_and_sensitivity_name_every_parameter(study, everything):
     for name in ("samples", "sensitivity"):
         drawn = texts(everything[name])
         assert all(parameter in drawn for parameter in study.configuration.scenario.space.names)
+
+
+def test_where_completion_tells_nothing_sensitivity_is_in_cost_as_on_the_page(study):
+    asked = study.configuration
+    change = pictures._change(study)
+    lost = survey_sensitivity(asked.scenario, PlausibleWorld(reach=50.0), study.best, 0)
+    some = survey_sensitivity(asked.scenario, PlausibleWorld(), study.best, 0)
+    flat, told = (texts(figures.sensitivity(found, change, "title", "cost [s]")) for found in (lost, some))
+    assert lost.cost_tells
+    assert "cost [s]" in flat
+    assert "completion [%]" not in flat
+    assert "completion stays at" in flat
+    assert not some.cost_tells
+    assert "completion [%]" in told
+    assert "cost" not in told

@@ -24,7 +24,7 @@ export function headline(app: App): HTMLElement {
 function title(summary: Headline): HTMLElement {
   const mistaken = (summary.mistaken ?? []).map((name) => name.replaceAll("_", " ")).join(", ");
   const vehicle = [summary.vehicle, latency(summary.latency_unknown ?? 0)];
-  const work = summary.state === "running" ? `running: ${summary.flights} of ${summary.budget} flights` : `${failed(summary) ? "not solved" : "tuned"} in ${count(summary.flights, "flight")}${chosen(summary)}`;
+  const work = workOf(summary);
   const time = summary.wall_time === null ? "" : `; search time ${summary.wall_time < 100 ? summary.wall_time.toFixed(1) : Math.round(summary.wall_time)} s`;
   return h(
     "div",
@@ -35,6 +35,14 @@ function title(summary: Headline): HTMLElement {
     h("p", { class: "quiet" }, `${work} by ${summary.tuner.replace(/:default$/, "").replaceAll("_", " ")}${time}; goal ${summary.goal}; seed ${summary.seed}`),
     summary.remark ? h("p", { class: "quiet" }, summary.remark) : null,
   );
+}
+
+/** How far the search is, or what came of it. */
+function workOf(summary: Headline): string {
+  const flights = count(summary.flights, "flight");
+  if (summary.state === "running") return `running: ${summary.flights} of ${summary.budget} flights`;
+  if (summary.kept_guess) return `not changed: ${summary.kept_guess}; ${flights}`;
+  return `${failed(summary) ? "not solved" : "tuned"} in ${flights}${chosen(summary)}`;
 }
 
 /** Flights that are beside the budget. */

@@ -16,8 +16,8 @@ MAX_BYTES = 1_000_000  # a description takes a few thousand
 STUDY = "parameters.toml"  # what the folder of a study has
 IMPORTED = "is a file of another program: hotlap import reads it"
 ELSEWHERE: Mapping[str, str] = {  # files that are no TOML, by their endings, and what takes them
-    ".csv": "is a table of numbers, no TOML: a reference is given beside its race, with --reference",
-    ".json": "is JSON, no TOML: what was learnt is given beside a race, with --first-guess",
+    ".csv": "is a table of numbers, no TOML: a reference is given beside its race, with reference=...",
+    ".json": "is JSON, no TOML: what was learnt is given beside a race, with first_guess=...",
     **dict.fromkeys((".yaml", ".yml", ".sdf", ".urdf", ".xacro", ".xml", ".world"), IMPORTED),
 }
 
@@ -52,5 +52,5 @@ def read(path: Path | Traversable, label: str) -> dict[str, Any]:
 def _folder(path: Path | Traversable) -> str:
     """What a folder is, where a file was expected."""
     if (path / STUDY).is_file():
-        return "is the folder of a study, not a file: give the race, and this folder with --parameters"
+        return "is the folder of a study, not a file: give the race, and this folder with parameters=..."
     return "is a folder, not a file"

@@ -79,7 +79,7 @@ def figures_of(snapshot: Snapshot, world: World, flights: int = FLIGHTS) -> dict
     surveyed = {}
     if not is_slow(world):
         found = survey_sensitivity(asked.scenario, world, best, asked.settings.seed, asked.metric)
-        surveyed["sensitivity"] = sensitivity(found, _change(snapshot), f"{scene.race}: sensitivity to the parameters")
+        surveyed["sensitivity"] = sensitivity(found, _change(snapshot), f"{scene.race}: sensitivity to the parameters", asked.metric_name)
     searched = collect(snapshot.ledger, asked.settings.goal)
     return {
         **_plain(snapshot, scene),

@@ -27,8 +27,23 @@ _WORDS = {
 }
 
 
+def is_begun(folder: Path) -> bool:
+    """Whether a folder holds a study; a file that was made and never filled, since its maker was stopped, is none.
+
+    Raises:
+        StudyError: what it holds cannot be read, or is no study.
+    """
+    if not (folder / FILE).exists() or (folder / FILE).stat().st_size == 0:
+        return False
+    database = Database(folder, owned=False)
+    try:
+        return not database.is_new()
+    finally:
+        database.close()
+
+
 class Database:
-    """An open file, with SQLite's default journal: consistent after a kill or a power cut at any moment.
+    """An open file, with SQLite's default journal: whole up to the last transaction after a kill or a power cut.
 
     Args:
         folder: of the file.
@@ -47,6 +62,7 @@ class Database:
             with self.readable_errors():
                 location = f"{(folder / FILE).absolute().as_uri()}?mode={mode}"
                 self._connection = sqlite3.connect(location, uri=True, isolation_level=None, timeout=30.0)
+                self._connection.execute("PRAGMA synchronous = EXTRA")  # FULL lets a power cut take the last transaction back
         except BaseException:
             self._release()
             raise

@@ -53,6 +53,7 @@ class Glance:
         completion: of the best candidate so far, 0 to 1; NaN before the first flight.
         lap_time: [s] of the same; NaN where there is none.
         successes, validation: of its validation, 0 of 0 before it.
+        kept: whether its result is what its search began with.
         changed: [s] since the epoch, when its file was written last.
         fault: why it cannot be read.
     """
@@ -71,6 +72,7 @@ class Glance:
     lap_time: float = math.nan
     successes: int = 0
     validation: int = 0
+    kept: bool = False
     changed: float = 0.0
     fault: str = ""
 
@@ -157,6 +159,7 @@ class Follower:
             flights=flown.get("SEARCH", 0) + flown.get("CONFIRMATION", 0),
             successes=validation.get("successes", 0),
             validation=validation.get("flights", 0),
+            kept=bool(best.get("confirmed") and best["parameters"] in (asked["first_guess"], asked.get("rival"))),
             completion=completion,
             lap_time=lap_time,
         )

@@ -7,7 +7,6 @@ best candidate) are written in one transaction: after a kill or a power cut the 
 from __future__ import annotations
 
 import json
-import platform
 import re
 import sqlite3
 import time
@@ -16,7 +15,6 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from datetime import datetime
 from functools import reduce
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Self
 
@@ -27,12 +25,12 @@ from hotlap.core.ledger import Ledger
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream
 from hotlap.core.shown import Framed, fitted, html_table
-from hotlap.core.version import __version__
 from hotlap.study.configuration import Configuration, first_difference, load_configuration, load_rival, pack_reference, unpack_reference
 from hotlap.study.database import FILE, Database
 from hotlap.study.increments import grow, increment
 from hotlap.study.result import Result
 from hotlap.study.tried_plan import TriedPlan
+from hotlap.study.versions import versions_now
 from hotlap.tuners.tuner import remark_of
 from hotlap.tuning.loop import Batch, Tuning, tune
 from hotlap.tuning.objective import Objective
@@ -371,7 +369,7 @@ class Study(Framed):
     def _note_opening(self) -> None:
         """When, and with which versions."""
         moment = datetime.now().astimezone().isoformat(timespec="seconds")
-        self._database.execute("INSERT INTO opening VALUES (?, ?)", (moment, json.dumps(_versions())))
+        self._database.execute("INSERT INTO opening VALUES (?, ?)", (moment, json.dumps(versions_now())))
 
     def _insert(self, ledger: Ledger) -> None:
         """Add flights."""
@@ -447,12 +445,6 @@ def count_flights(folder: str | Path) -> int:
         return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
     finally:
         database.close()
-
-
-def _versions() -> dict[str, str]:
-    """Versions of the software that the last bit of a flight may depend on."""
-    libraries = {name: version(name) for name in ("numpy", "numba", "casadi")}
-    return {"hotlap": __version__, **libraries, "python": platform.python_version(), "platform": platform.platform()}
 
 
 def _show(value: Any) -> str:

@@ -66,12 +66,14 @@ class Journal:
             StudyError: there is no room; what was kept before stays.
         """
         code = {} if self._code is None else {"code": self._code}
-        line = json.dumps({**self._plain(key, value), **code}, allow_nan=False) + "\n"
+        line, new = json.dumps({**self._plain(key, value), **code}, allow_nan=False) + "\n", not self.path.exists()
         try:
             with self.path.open("ab") as file:
                 file.write(line.encode())
                 file.flush()
                 os.fsync(file.fileno())
+            if new:
+                _sync(self.path.parent)
         except OSError as error:
             raise StudyError(str(self.path), "", f"cannot be written ({error.strerror}); what was kept before stays") from None
         self.done[key] = value
@@ -104,3 +106,12 @@ class Journal:
             except (ValueError, KeyError, TypeError, AttributeError):
                 raise StudyError(str(self.path), f"line {number}", "is damaged; delete the line, and it is made again") from None
         return len(whole) + 1 if whole else 0
+
+
+def _sync(folder: Path) -> None:
+    """Keep the names of a folder's files through a power cut."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -22,6 +22,7 @@ from hotlap.system.processors import available
 Piece = TypeVar("Piece")
 Item = TypeVar("Item")
 
+DIED = "a worker process has died, perhaps for want of memory"
 _ITEM, _END, _ERROR = range(3)
 
 
@@ -53,23 +54,31 @@ def _serve(workers: Sequence[Connection], waiting: deque[tuple[int, Any]], piece
     """Hand out pieces, collect results."""
     busy = set()
     for worker in workers:
-        worker.send(waiting.popleft())
+        _hand_out(worker, waiting)
         busy.add(worker)
     while busy:
         for worker in wait(list(busy)):
             assert isinstance(worker, Connection)  # noqa: S101  what it was given
             try:
                 kind, index, content = worker.recv()
-            except EOFError:
-                raise HotlapError("a worker process has died, perhaps for want of memory") from None
+            except (EOFError, OSError):
+                raise HotlapError(DIED) from None
             if kind == _ERROR:
                 raise content
             if kind == _ITEM:
                 yield pieces[index], content
             elif waiting:
-                worker.send(waiting.popleft())
+                _hand_out(worker, waiting)
             else:
                 busy.discard(worker)
+
+
+def _hand_out(worker: Connection, waiting: deque[tuple[int, Any]]) -> None:
+    """Give a worker the next piece."""
+    try:
+        worker.send(waiting.popleft())
+    except OSError:
+        raise HotlapError(DIED) from None
 
 
 @contextmanager

@@ -23,6 +23,7 @@ from hotlap.report.page.replay import BEST, DEFAULT, FIRST, Replay
 from hotlap.report.page.standing import dump_structures
 from hotlap.report.response import respond
 from hotlap.report.scene import Repeats, Trace
+from hotlap.study.kept_guess import find_kept_guess
 from hotlap.study.snapshot import Snapshot
 from hotlap.tuning.goal import Quantity
 
@@ -37,6 +38,7 @@ SYMBOLS = {  # letters of the paper, where it has them
     "horizon": "T",
 }
 RULES = {GateRule.CLOCK: "clock", GateRule.OPENING: "opening"}
+TELLS = ("flat", "cost_tells", "cost_tells_by_segment")  # what of a sensitivity is shown
 STREAMS = {Stream.SEARCH: 0, Stream.CONFIRMATION: 1, Stream.VALIDATION: 2, Stream.SELECTION: 2}  # the page shows no flight of 2
 
 
@@ -53,7 +55,7 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
         "format": FORMAT,
         "kind": "study",
         "live": live,
-        "headline": _headline(snapshot),
+        "headline": _headline(snapshot, replay),
         "scenario": dump_scenario(snapshot.configuration.scenario),
         "traces": traces,
         "repeats": [] if replay is None else [dump_repeats(repeats) for repeats in replay.scene.repeats],
@@ -67,11 +69,12 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
     }
 
 
-def _headline(snapshot: Snapshot) -> dict[str, Any]:
+def _headline(snapshot: Snapshot, replay: Replay | None) -> dict[str, Any]:
     """The result in short: race, goal, lap time, gates passed, success rate."""
     asked, result = snapshot.configuration, snapshot.result
     race, settings = asked.scenario.race, asked.settings
     known = race.control_model.delay if race.controller.predict else 0.0
+    guess = find_kept_guess(asked, result, None if replay is None else replay.errors)
     return {
         "race": race.name,
         "vehicle": race.vehicle.name,
@@ -92,6 +95,7 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "confirmed": result is not None and result.best.confirmed,
         "confirm": settings.confirm,
         "kept": _kept(snapshot),
+        "kept_guess": None if guess is None else guess.words,
         "validation": None if result is None or result.validation is None else _validation(result.validation),
         "wall_time": None if result is None else number(result.wall_time),
         "remark": snapshot.remark,
@@ -185,7 +189,13 @@ def _sensitivity(replay: Replay | None, cost_name: str) -> dict[str, Any] | None
         return None
     found = replay.sensitivity
     arrays = {name: pack(getattr(found, name)) for name in ("completion", "complete", "by_segment", "cost", "cost_by_segment")}
-    return {"factors": found.factors.tolist(), "flights": found.flights, "cost_name": cost_name, **arrays}
+    return {
+        "factors": found.factors.tolist(),
+        "flights": found.flights,
+        "cost_name": cost_name,
+        **arrays,
+        **{name: getattr(found, name) for name in TELLS},
+    }
 
 
 def _configuration(snapshot: Snapshot) -> dict[str, Any]:

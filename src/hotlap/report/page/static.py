@@ -14,6 +14,7 @@ from hotlap.report.markup import element, facts, paragraph, table, text
 from hotlap.report.page.replay import BEST, Replay
 from hotlap.report.page.static_map import draw_track_map
 from hotlap.report.scene import Scene, stage
+from hotlap.study.kept_guess import KeptGuess, find_kept_guess
 from hotlap.study.result import Result
 from hotlap.study.snapshot import Snapshot
 from hotlap.tuning.goal import Quantity
@@ -32,6 +33,7 @@ def render_static(snapshot: Snapshot, replay: Replay | None) -> str:
     parts = [
         element("h1", text(title_of(snapshot))),
         paragraph(summary_of(snapshot)),
+        *(paragraph(f"{guess.words[0].upper()}{guess.words[1:]}.") for guess in [_guess(snapshot, replay)] if guess is not None),
         *(_failure(snapshot, replay) if replay is not None and _failed(snapshot) else ()),
         _figure(scene),
         element("h2", "Facts"),
@@ -41,6 +43,11 @@ def render_static(snapshot: Snapshot, replay: Replay | None) -> str:
         element("pre", element("code", text(snapshot.command))),
     ]
     return "\n".join(parts)
+
+
+def _guess(snapshot: Snapshot, replay: Replay | None) -> KeptGuess | None:
+    """The guess that was kept."""
+    return find_kept_guess(snapshot.configuration, snapshot.result, None if replay is None else replay.errors)
 
 
 def title_of(snapshot: Snapshot) -> str:
