@@ -109,7 +109,7 @@ def _plain(snapshot: Snapshot, scene: Scene) -> dict[str, Figure]:
 def draw_convergence(snapshot: Snapshot) -> Figure:
     """Completion and cost of a study over its flights."""
     asked = snapshot.configuration
-    history = recount(snapshot.ledger, asked.settings.goal, asked.cost_name)
+    history = recount(snapshot.ledger, asked.settings.goal, asked.cost_name, snapshot.best if len(snapshot.ledger) else None)
     return convergence(history, f"{asked.scenario.race.name}: {asked.tuner}", _verdict(snapshot))
 
 

@@ -29,12 +29,12 @@ KEPT = ("best", "validation", "ended", "flown")  # of the state of a run
 
 
 class State(StrEnum):
-    """How far a study is: at work, left before its end, or at its end with its goal confirmed, not reached, or without a goal."""
+    """How far a study is: at work, left before its end, or at its end with its goal confirmed or not, or without a goal."""
 
     SEARCHING = "searching"
     STOPPED = "stopped"
     CONFIRMED = "confirmed"
-    NOT_REACHED = "not reached"
+    NOT_SOLVED = "not solved"
     FINISHED = "finished"
     UNREADABLE = "unreadable"
 
@@ -180,7 +180,7 @@ class Follower:
             return glance
         if parse_goal(asked["goal"]).quantity is Quantity.NONE:
             return replace(glance, state=State.FINISHED)
-        return replace(glance, state=State.CONFIRMED if best.get("confirmed") else State.NOT_REACHED)
+        return replace(glance, state=State.CONFIRMED if best.get("confirmed") else State.NOT_SOLVED)
 
     def _is_done(self, glance: Glance) -> bool:
         """Whether the search is over, and its result validated where that is asked for."""
