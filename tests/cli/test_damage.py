@@ -11,6 +11,7 @@ import pytest
 
 from hotlap.core.errors import StudyError
 from hotlap.study.database import FILE
+from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study
 
 pytestmark = pytest.mark.usefixtures("faked")
@@ -61,7 +62,7 @@ def test_a_damaged_study_is_one_line_for_every_command(hotlap, here, harm):
         assert (ran.code, line.startswith("hotlap: mine: study.sqlite is damaged: ")) == (2, True), (command, ran)
         assert line.endswith("; what it had found is in parameters.toml and report.html beside it")
     with pytest.raises(StudyError, match=r"study.sqlite is damaged"):
-        Study("mine").flights()
+        read_snapshot(Study("mine"))
 
 
 @pytest.mark.parametrize("make", [os.mkfifo, os.mkdir], ids=["a pipe", "a folder"])
