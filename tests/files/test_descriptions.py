@@ -169,7 +169,7 @@ FAULTS = [
     (load_track, TRACK + "floor = 2.0", "floor", "lies above the start"),
     (load_track, "gates = 5\nstart", "", "is not valid TOML"),
     (load_track, "x = " + "[" * 5000, "", "is nested too deeply"),
-    (load_track, TRACK + "opening" + ".a" * 300 + " = 1", "", "is nested too deeply"),
+    (load_track, TRACK + "opening" + ".a" * 300 + " = 1", "line 3", "is nested too deeply"),
     (load_track, TRACK + "laps = 0x" + "f" * 5000, "laps", "must be a whole number of at most 64 bits"),
     (load_track, TRACK + '"a\\nb" = 1', "a\nb", "there is no such key"),
     (load_track, "#" * 1_000_001, "", "is larger than 1 MB"),
