@@ -68,14 +68,14 @@ def damaged_bytes(random: Random, folder: Path) -> Read:
 
 
 def damaged_values(random: Random, folder: Path) -> Read:
-    """A study with odd values, whose checksums fit, as no accident leaves it: it is read, not continued."""
+    """A study with odd values, whose checksums fit, as no accident leaves it: it is read, neither shown nor continued."""
     (folder / FILE).write_bytes(sample_study())
     with closing(sqlite3.connect(folder / FILE)) as connection:
         for _ in range(random.choice((1, 1, 2))):
             _disturb_row(connection, random)
         seal(lambda statement, values=(): connection.execute(statement, values).fetchall())
         connection.commit()
-    return lambda: use(folder, _show, count_flights)
+    return lambda: use(folder, _read, count_flights)
 
 
 def _disturb_row(connection: sqlite3.Connection, random: Random) -> None:
@@ -113,12 +113,14 @@ def use(folder: Path, *steps: Callable[[Path], Any]) -> None:
         raise refusals[0]
 
 
-def _show(folder: Path) -> None:
+def _read(folder: Path) -> Any:
     with Study(folder) as study:
-        repr(study)
-        snapshot = read_snapshot(study)
         study.records()
-        dump_study(snapshot, None)
+        return read_snapshot(study)
+
+
+def _show(folder: Path) -> None:
+    dump_study(_read(folder), None)
 
 
 def _continue(folder: Path) -> None:
