@@ -1,14 +1,13 @@
 """Cluster: an engine whose workers are those of a dask scheduler, on any number of machines.
 
-Before any work is sent every worker is asked what is installed there. A worker that is lost is dask's business: its pieces are done again by
-others. Messages are pickled, as all of dask's are: the scheduler and its workers belong to the user, on a network of the user's own.
+Before any work is sent every worker is asked what is installed there. What a lost worker had begun dask lets others do again. Messages are
+pickled, as all of dask's are: the scheduler and its workers belong to the user, on a network of the user's own.
 """
 
 from __future__ import annotations
 
 import json
 import logging
-import pickle
 import warnings
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 Piece = TypeVar("Piece")
 Item = TypeVar("Item")
 
-TIMEOUT = 10.0  # s to connect
+TIMEOUT = 5.0  # s to connect
 LOOK = 2.0  # s between looks at the workers
 PATIENCE = 600.0  # s that work waits for a worker where all have gone
 AHEAD = 4  # pieces on the cluster for each worker, so that none waits for us
@@ -84,6 +83,7 @@ class Cluster:
         self._out: dict[Future, int] = {}
         self.sent = self.received = 0
         self.patience = PATIENCE
+        self._looked = monotonic()
 
     @property
     def workers(self) -> int:
@@ -138,17 +138,17 @@ class Cluster:
         Raises:
             HotlapError: nobody is there any more to end one.
         """
-        since, looked = monotonic(), monotonic()
+        waited = monotonic()
         while True:
+            if monotonic() - self._looked >= LOOK:
+                waited = monotonic() if self._look() else waited
+                self._looked = monotonic()
             with suppress(Empty):
                 found = [ended.get(timeout=LOOK)]
                 while not ended.empty():
                     found.append(ended.get())
                 return found
-            if monotonic() - looked >= LOOK:
-                since = monotonic() if self._look() else since
-                looked = monotonic()
-            if monotonic() - since > self.patience:
+            if monotonic() - waited > self.patience:
                 raise HotlapError(f"the scheduler at {self._address} has had no worker for {self.patience:.0f} s; what has ended is kept")
 
     def _look(self) -> bool:
@@ -189,7 +189,7 @@ class Cluster:
         finally:
             future.release()
         self.received += len(answer)
-        return pickle.loads(answer)  # noqa: S301  from the user's own workers
+        return cluster_worker.unpack(answer)
 
     def _cancel(self, futures: Sequence[Future]) -> None:
         """Take pieces back from the cluster."""
@@ -244,7 +244,7 @@ def _check_workers(client: Client, address: str, note: Callable[[str], None]) ->
 
 
 def _python(versions: Mapping[str, Any]) -> str:
-    """3.12"""
+    """As in 3.12."""
     return ".".join(str(versions["host"]["python"]).split(".")[:2])
 
 

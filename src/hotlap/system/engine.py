@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from multiprocessing import parent_process
+from pathlib import Path
 from typing import Protocol, TypeVar
 
 from hotlap.core.errors import InputError
@@ -34,11 +35,15 @@ class Engine(Protocol):
         """How many pieces are done at a time."""
         ...
 
+    def require(self, *files_or_modules: str | Path) -> None:
+        """Let work be refused by a worker where one of these is not what it is here: a file, or a module by its dotted name."""
+        ...
+
     def spread(self, work: Callable[[Piece], Iterable[Item]], pieces: Sequence[Piece]) -> Iterator[tuple[Piece, Item]]:
         """Do all pieces of work; what is begun or waits when the iterator is closed is given up.
 
         Args:
-            work: gives the results of a piece, one after the other, the same ones each time; a function of a module, so that workers find it.
+            work: gives the results of a piece, one after the other, the same each time; a function of a module, which workers find.
             pieces: in the order in which they are begun.
 
         Yields:

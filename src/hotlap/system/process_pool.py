@@ -12,6 +12,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from typing import Any, TypeVar
 
 from hotlap.core.errors import HotlapError
@@ -46,6 +47,9 @@ class Processes:
     def workers(self) -> int:
         """How many pieces are done at a time."""
         return self._count or available()
+
+    def require(self, *files_or_modules: str | Path) -> None:
+        """Nothing: processes of this machine find what is here."""
 
     def spread(self, work: Callable[[Piece], Iterable[Item]], pieces: Sequence[Piece]) -> Iterator[tuple[Piece, Item]]:
         """Do all pieces of work; see `engine.Engine.spread`.
