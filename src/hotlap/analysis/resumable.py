@@ -69,6 +69,11 @@ class ResumableJobs:
     def __post_init__(self) -> None:
         self._engine = self.engine or Processes(self.processes, self.note)
 
+    @property
+    def cluster(self) -> Engine | None:
+        """The engine, where its workers are no processes of this machine."""
+        return None if isinstance(self._engine, Processes) else self._engine
+
     def each(self, unit: str, pieces: Mapping[str, Any], work: Callable[[Any], Iterable[Any]]) -> dict[str, Any]:
         """Results of pieces of work by name; those that are kept are not computed again.
 

@@ -63,13 +63,23 @@ def build(name: str, instances: int = 1, engine: Engine | None = None) -> World:
     if engine is not None:
         from hotlap.worlds.on_workers import OnWorkers  # noqa: PLC0415  only for simulators on workers
 
-        if base in SERVED:
-            raise InputError("", "cluster", f"has no {base}, which is a server: {base} flies where its server runs")
+        check_spread(name)
         engine.require(*needed(name))
         return _named(OnWorkers(name, instances, engine), base)
     from hotlap.worlds.stepped import Stepped  # noqa: PLC0415  only for simulators
 
     return _named(Stepped(name, partial(_tell, opened, argument) if argument else opened, instances), base)
+
+
+def check_spread(name: str) -> None:
+    """Refuse worlds that workers of a cluster cannot open.
+
+    Raises:
+        InputError: it is a server, of which there is one.
+    """
+    base = name.partition(":")[0]
+    if base in SERVED:
+        raise InputError("", "cluster", f"has no {base}, which is a server of its own")
 
 
 def needed(name: str) -> tuple[str, ...]:

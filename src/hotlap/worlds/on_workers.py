@@ -54,11 +54,14 @@ class OnWorkers(Stepped):
         name: of the world, as workers find it, too.
         instances: simulators by which its capacity is told; as many flights are flown at once as there are workers.
         engine: whose workers fly.
+
+    Attributes:
+        engine: likewise.
     """
 
     def __init__(self, name: str, instances: int, engine: Engine) -> None:
         super().__init__(name, _open_nowhere, instances)
-        self._engine, self._lanes = engine, 0
+        self.engine, self._lanes = engine, 0
 
     def capacity(self, scenario: Scenario) -> int:
         """Lanes of so many instances; lets a worker open one.
@@ -67,7 +70,7 @@ class OnWorkers(Stepped):
             InputError: it cannot be opened.
         """
         if not self._lanes:
-            [(_, self._lanes)] = self._engine.spread(tell_lanes, [(self.name, scenario)])
+            [(_, self._lanes)] = self.engine.spread(tell_lanes, [(self.name, scenario)])
         return self._lanes * self.instances
 
     def needs_compiling(self, scenario: Scenario) -> bool:  # noqa: ARG002
@@ -116,7 +119,7 @@ class OnWorkers(Stepped):
         ]
         found: dict[int, Flights] = {}
         flown = 0
-        for sortie, (flights, notes) in self._engine.spread(fly_sortie, sorties):
+        for sortie, (flights, notes) in self.engine.spread(fly_sortie, sorties):
             found[sortie.first] = flights
             for note in notes:
                 self.note(f"{self.name}: {note}")
@@ -143,18 +146,18 @@ def merge(parts: Sequence[Flights]) -> Flights:
 def tell_lanes(asked: tuple[str, Scenario]) -> Iterator[int]:
     """How many lanes a simulator has, on a worker."""
     name, scenario = asked
-    yield _simulators(name).capacity(scenario)
+    yield simulators_here(name).capacity(scenario)
 
 
 def fly_sortie(sortie: Sortie) -> Iterator[tuple[Flights, tuple[str, ...]]]:
     """Flights of a sortie, on a worker, and what was said about them."""
-    world, notes = _simulators(sortie.world), list[str]()
+    world, notes = simulators_here(sortie.world), list[str]()
     world.note = lambda line: notes.append(line.removeprefix(f"{world.name}: "))
     yield world.fly(sortie.scenario, sortie.parameters, sortie.seeds, log=sortie.log), tuple(notes)
 
 
 @cache
-def _simulators(name: str) -> Stepped:
+def simulators_here(name: str) -> Stepped:
     """The world of a worker, whose simulator stays open from one piece of work to the next."""
     world: World = worlds.build(name)
     assert isinstance(world, Stepped), "the built-in world is not spread"  # noqa: S101  our own mistake
