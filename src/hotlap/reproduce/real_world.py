@@ -33,6 +33,7 @@ from hotlap.report.article import Article
 from hotlap.report.transfer_article import CAPTIONS, HEADS, cells_of, changes, endings
 from hotlap.reproduce.experiments import UnavailableError
 from hotlap.reproduce.published import REAL_WORLD, REAL_WORLD_MEDIANS
+from hotlap.system.engine import Engine
 from hotlap.tuning.goal import Goal, Quantity
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune
 from hotlap.tuning.objective import Objective
