@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
@@ -42,9 +45,9 @@ class DaskCluster:
         except ValueError:
             return ""
 
-    def add_worker(self, *options: str, threads: int = 1, environment: Mapping[str, str] | None = None) -> None:
-        """One more worker; a process without a nanny, so that one that is killed stays dead."""
-        told = ("--no-nanny", "--nthreads", str(threads), "--local-directory", str(self.folder), *LOOPBACK, *options)
+    def add_worker(self, *, threads: int = 1, nanny: bool = False, environment: Mapping[str, str] | None = None) -> None:
+        """One more worker; without a nanny one that is killed stays dead, with one another takes its place."""
+        told = ("--nanny" if nanny else "--no-nanny", "--nthreads", str(threads), "--local-directory", str(self.folder), *LOOPBACK)
         self.workers.append(self._start("worker", self.address, *told, environment=environment))
 
     def wait_for(self, workers: int) -> None:
@@ -52,11 +55,39 @@ class DaskCluster:
         with pytest.importorskip("distributed").Client(self.address, set_as_default=False) as client:
             client.wait_for_workers(workers, timeout=60)
 
+    @contextmanager
+    def losing_a_worker(self) -> Iterator[None]:
+        """Kill a worker while it does a piece of work that is asked for within; that it happened is asserted."""
+        with pytest.importorskip("distributed").Client(self.address, set_as_default=False) as client:
+            processes, killed, over = client.run(os.getpid), [], threading.Event()
+
+            def kill() -> None:
+                """As soon as one is busy, a moment later."""
+                while not killed and not over.is_set():
+                    busy = [worker for worker, tasks in client.processing().items() if tasks]
+                    if busy:
+                        time.sleep(0.1)
+                        os.kill(processes[busy[0]], signal.SIGKILL)
+                        killed.append(busy[0])
+
+            thread = threading.Thread(target=kill)
+            thread.start()
+            try:
+                yield
+            finally:
+                over.set()
+                thread.join()
+            assert killed
+
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
+        for process in self.workers:
+            process.terminate()  # a nanny ends its worker, too
         for process in (*self.workers, self._scheduler):
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(10 if process in self.workers else 0)
             process.kill()
             process.wait()
 
