@@ -24,7 +24,7 @@ from system.dask_cluster import DaskCluster, wait_until
 pytest.importorskip("distributed", reason="needs the extra cluster")
 
 TAKE_IT = {"compare", "fly", "landscape", "learn", "reproduce", "transfer", "tune"}
-FLOWN = ["--tuners", "random_search,cma_es:tied", "--seeds", "4", "--budget", "60", "--validation", "20"]
+FLOWN = ["--tuners", "random_search,cma_es:tied", "--seeds", "3", "--budget", "40", "--validation", "20"]
 
 
 def test_these_commands_take_a_cluster():
@@ -88,11 +88,11 @@ def runs_of(place: Path):
 
 @pytest.mark.check
 def test_a_comparison_is_the_same(cluster, tmp_path, capsys):
-    races = ["drop-20", "flip-16", "circle-20"]
+    races = ["drop-20", "flip-16"]
     assert main(["compare", *races, *FLOWN, "--out", str(tmp_path / "here")]) == 0
     with cluster.losing_a_worker():
         assert main(["compare", *races, *FLOWN, "--out", str(tmp_path / "there"), "--cluster", cluster.address]) == 0
-    assert len(runs_of(tmp_path / "here")) == 24
+    assert len(runs_of(tmp_path / "here")) == 12
     assert runs_of(tmp_path / "here") == runs_of(tmp_path / "there")
     assert "2 workers on 1 machine" in capsys.readouterr().err
     assert cluster.address not in (tmp_path / "there" / "comparison.html").read_text(encoding="utf-8")
@@ -100,7 +100,7 @@ def test_a_comparison_is_the_same(cluster, tmp_path, capsys):
 
 @pytest.mark.check
 def test_a_map_is_the_same(cluster, capsys):
-    here, there = both(cluster, capsys, "landscape", "circle-34", "--points", "40", "--flights", "20", "--json")
+    here, there = both(cluster, capsys, "landscape", "circle-34", "--points", "14", "--flights", "10", "--json")
     assert here == there
 
 
@@ -131,7 +131,7 @@ def test_a_front_is_the_same(cluster, tmp_path, monkeypatch):
 @pytest.mark.check
 @pytest.mark.usefixtures("_firmware")
 def test_flights_of_betaflight_are_the_same(cluster, capsys):
-    here, there = both(cluster, capsys, "fly", "circle-34", "--on", "betaflight", "--flights", "8", "--json")
+    here, there = both(cluster, capsys, "fly", "circle-34", "--on", "betaflight", "--flights", "6", "--json")
     assert here == there
 
 
