@@ -13,8 +13,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from queue import Empty, SimpleQueue
-from time import monotonic
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from hotlap.core.counts import count
@@ -23,12 +22,13 @@ from hotlap.system import cluster_worker
 from hotlap.system.cluster_worker import PROCESSOR, Needed, digest_needed, installation
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future, as_completed
 
 Piece = TypeVar("Piece")
 Item = TypeVar("Item")
 
 TIMEOUT = 5.0  # s to connect
+PAUSE = 0.02  # s between looks for results
 LOOK = 2.0  # s between looks at the workers
 PATIENCE = 600.0  # s that work waits for a worker where all have gone
 AHEAD = 4  # pieces on the cluster for each worker, so that none waits for us
@@ -80,7 +80,7 @@ class Cluster:
         self._client, self._address, self._note = client, address, note
         self._known = set(client.nthreads())
         self._needed: Needed = ()
-        self._out: dict[Future, int] = {}
+        self._out: set[Future] = set()
         self.sent = self.received = 0
         self.patience = PATIENCE
         self._looked = monotonic()
@@ -102,29 +102,26 @@ class Cluster:
             HotlapError: the scheduler has gone, all workers have, or one piece has cost too many of them.
             Exception: what a piece of work raised.
         """
-        waiting, ended, mine = deque(range(len(pieces))), SimpleQueue["Future"](), set[Any]()
-        expected = cluster_worker.fingerprint()
+        from distributed import as_completed  # noqa: PLC0415  an extra
+
+        ended = as_completed(loop=self._client.loop, with_results=True, raise_errors=False)
+        waiting, mine = deque(range(len(pieces))), dict[Any, int]()
         try:
             while waiting or mine:
                 room = max(AHEAD * self.workers, FEWEST_AHEAD) - len(mine)
-                for _ in range(min(room, len(waiting))):
-                    index = waiting.popleft()
-                    task = cluster_worker.pack(work, pieces[index], self._needed)
-                    self.sent += len(task)
-                    future = self._client.submit(cluster_worker.do, task, expected, pure=False, key=None)
-                    self._out[future] = index
-                    mine.add(future)
-                    future.add_done_callback(ended.put)
-                for future in self._next(ended):
-                    index = self._out.pop(future)
-                    mine.discard(future)
-                    results, error = self._result(future)
+                indices = [waiting.popleft() for _ in range(min(room, len(waiting)))]
+                fresh = self._send([cluster_worker.pack(work, pieces[index], self._needed) for index in indices])
+                mine.update(zip(fresh, indices, strict=True))
+                ended.update(fresh)
+                for future, answer in self._next(ended):
+                    index = mine.pop(future)
+                    results, error = self._read(future, answer)
                     for item in results:
                         yield pieces[index], item
                     if error is not None:
                         raise error
         finally:
-            self._cancel([future for future in mine if future in self._out])
+            self._cancel(list(mine))
 
     def close(self) -> None:
         """Cancel what waits, and leave the cluster."""
@@ -132,7 +129,17 @@ class Cluster:
         with suppress(Exception):
             self._client.close()
 
-    def _next(self, ended: SimpleQueue[Future]) -> list[Future]:
+    def _send(self, tasks: Sequence[bytes]) -> list[Future]:
+        """Hand pieces of work to the scheduler."""
+        if not tasks:
+            return []
+        self.sent += sum(map(len, tasks))
+        expected = cluster_worker.fingerprint()
+        fresh = self._client.map(cluster_worker.do, tasks, expected=expected, pure=False, batch_size=len(tasks))
+        self._out.update(fresh)
+        return fresh
+
+    def _next(self, ended: as_completed) -> list[tuple[Future, Any]]:
         """Those that have ended since, at least one; looks at the workers meanwhile.
 
         Raises:
@@ -143,13 +150,12 @@ class Cluster:
             if monotonic() - self._looked >= LOOK:
                 waited = monotonic() if self._look() else waited
                 self._looked = monotonic()
-            with suppress(Empty):
-                found = [ended.get(timeout=LOOK)]
-                while not ended.empty():
-                    found.append(ended.get())
-                return found
+            found = ended.next_batch(block=False)
+            if found:
+                return found  # pyright: ignore[reportReturnType]  pairs, as results are asked for
             if monotonic() - waited > self.patience:
                 raise HotlapError(f"the scheduler at {self._address} has had no worker for {self.patience:.0f} s; what has ended is kept")
+            sleep(PAUSE)
 
     def _look(self) -> bool:
         """Whether there is a worker; says which have gone.
@@ -171,30 +177,29 @@ class Cluster:
             self._note(f"note: {count(len(here), 'worker')} joined the cluster")
         return bool(here)
 
-    def _result(self, future: Future) -> tuple[list[Any], Exception | None]:
+    def _read(self, future: Future, answer: Any) -> tuple[list[Any], Exception | None]:
         """Results of a piece, and the error that came after them.
 
         Raises:
             HotlapError: it has cost too many workers, or was cancelled.
         """
-        from distributed import KilledWorker  # noqa: PLC0415
+        from distributed import KilledWorker  # noqa: PLC0415  an extra
 
-        try:
-            answer = future.result(timeout=self.patience)
-        except KilledWorker:
-            raise HotlapError("a piece of work has ended every worker that began it, perhaps for want of memory") from None
-        except Exception as error:  # dask's own; ours arrive as results
-            reason = " ".join(str(error).split()) or type(error).__name__
-            raise HotlapError(f"the cluster at {self._address} has failed: {reason}") from error
-        finally:
-            future.release()
-        self.received += len(answer)
-        return cluster_worker.unpack(answer)
+        self._out.discard(future)
+        future.release()
+        if isinstance(answer, bytes):
+            self.received += len(answer)
+            return cluster_worker.unpack(answer)
+        error = answer[1] if isinstance(answer, tuple) else answer  # dask's own; ours arrive as results
+        if isinstance(error, KilledWorker):
+            raise HotlapError("a piece of work has ended every worker that began it, perhaps for want of memory")
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise HotlapError(f"the cluster at {self._address} has failed: {reason}")
 
     def _cancel(self, futures: Sequence[Future]) -> None:
         """Take pieces back from the cluster."""
         for future in futures:
-            self._out.pop(future, None)
+            self._out.discard(future)
         if futures:
             with suppress(Exception):
                 self._client.cancel(futures, force=True, reason="the program that asked for it was stopped")

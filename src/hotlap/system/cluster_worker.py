@@ -136,6 +136,8 @@ def pack(work: Callable[[Any], Iterable[Any]], piece: Any, needed: Needed) -> by
     Raises:
         HotlapError: it cannot be sent.
     """
+    if work.__module__ == "__main__":
+        raise HotlapError(f"cannot be sent to a worker: {work.__name__} must be a function of a module")
     try:
         return pickle.dumps((work, piece, needed))
     except (pickle.PicklingError, TypeError, AttributeError) as error:

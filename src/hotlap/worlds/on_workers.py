@@ -22,6 +22,7 @@ from hotlap.worlds.stepped import Stepped
 if TYPE_CHECKING:
     from hotlap.worlds.world import World
 
+EACH, MOST = 4, 8  # sorties of a worker, where a batch is long; flights of a lane in a sortie, at most: all of them carry the reference
 OF_ALL = ("rooms", "gate_positions", "gate_times", "gate_segments", "logs")
 """Fields of `Flights` that do not have a row for each flight."""
 
@@ -105,7 +106,8 @@ class OnWorkers(Stepped):
         """
         if vehicle_parameters is not None:
             raise HotlapError(f"{self.name} flies the vehicle that it has")
-        step = self.capacity(scenario) // self.instances
+        lanes = self.capacity(scenario) // self.instances
+        step = lanes * min(max(len(seeds) // (lanes * self.engine.workers * EACH), 1), MOST)
         sorties = [
             Sortie(
                 self.name,
