@@ -135,7 +135,9 @@ class Cluster:
             return []
         self.sent += sum(map(len, tasks))
         expected = cluster_worker.fingerprint()
-        fresh = self._client.map(cluster_worker.do, tasks, expected=expected, pure=False, batch_size=len(tasks))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of many bytes at once
+            fresh = self._client.map(cluster_worker.do, tasks, expected=expected, pure=False, batch_size=len(tasks))
         self._out.update(fresh)
         return fresh
 
