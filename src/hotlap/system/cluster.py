@@ -78,7 +78,7 @@ class Cluster:
 
     def __init__(self, client: Client, address: str, note: Callable[[str], None]) -> None:
         self._client, self._address, self._note = client, address, note
-        self._known = set(client.nthreads())
+        self._known = set(_threads(client))
         self._needed: Needed = ()
         self._out: set[Future] = set()
         self.sent = self.received = 0
@@ -166,7 +166,7 @@ class Cluster:
             HotlapError: the scheduler has gone.
         """
         try:
-            here = set(self._client.nthreads()) if self._client.status == "running" else None
+            here = set(_threads(self._client)) if self._client.status == "running" else None
         except Exception:  # noqa: BLE001  dask raises errors of many kinds
             here = None
         if here is None:
@@ -229,14 +229,14 @@ def _check_workers(client: Client, address: str, note: Callable[[str], None]) ->
     Raises:
         InputError: with the first worker, and what is different there.
     """
-    threads = client.nthreads()
+    threads = _threads(client)
     if not threads:
         start = f"dask worker {address} --nworkers -1 --nthreads 1"
         raise InputError("", "cluster", f"the scheduler at {address} has no workers; start some: {start}")
     for worker, number in sorted(threads.items()):
         if number != 1:
             raise InputError("", "cluster", f"worker {worker} has {number} threads, and should have one: --nworkers N --nthreads 1")
-    versions = client.get_versions()
+    versions: Any = client.get_versions()
     ours = _python(versions["client"])
     for where, theirs in (("the scheduler", versions["scheduler"]), *((f"worker {one}", had) for one, had in versions["workers"].items())):
         if _python(theirs) != ours:
@@ -248,6 +248,12 @@ def _check_workers(client: Client, address: str, note: Callable[[str], None]) ->
             if what != PROCESSOR and theirs.get(what) != here:
                 raise InputError("", "cluster", f"worker {worker} has {_told(what, theirs.get(what))}, not {here} as here")
     _say_who(found, mine, address, note)
+
+
+def _threads(client: Client) -> dict[str, int]:
+    """Number of threads of each worker, by its address."""
+    found: Any = client.nthreads()
+    return dict(found)
 
 
 def _python(versions: Mapping[str, Any]) -> str:
@@ -262,7 +268,7 @@ def _told(what: str, value: str | None) -> str:
 
 def _installations(client: Client) -> dict[str, dict[str, str]]:
     """What is installed on each worker; nothing where it cannot say."""
-    answers = client.run(cluster_worker.installation, on_error="return")
+    answers: Any = client.run(cluster_worker.installation, on_error="return")
     return {worker: answer if isinstance(answer, dict) else {"hotlap": "-"} for worker, answer in answers.items()}
 
 
