@@ -81,11 +81,11 @@ def sizes() -> str:
     cell = Cell(race, "gate_gp", settings, (0,))
     one = scenario.space.first_guess(len(scenario.segments))[None]
     pieces: dict[str, tuple[Callable[[Any], Any], Any]] = {
-        "compare: one run, 200 flights": (fly_cells, (cell,)),
-        "compare: ten runs, 2000 flights": (fly_cells, (Cell(race, "gate_gp", settings, tuple(range(10))),)),
+        "compare: one run, at most 200 flights": (fly_cells, (cell,)),
+        "compare: ten runs, at most 2000 flights": (fly_cells, (Cell(race, "gate_gp", settings, tuple(range(10))),)),
         "landscape: one row of 50 points, 200 flights": (fly_rows, Rows(scenario, Landscape(race, "Q_pos_xy", "horizon"), 0, 1)),
-        "learn: one race, 900 flights": (tune_lesson, Lesson(race, "hummingbird")),
-        "lap-time front: one plan, 200 flights": (try_plan, Trial(race, first_plan_settings(race), "gate_gp", settings)),
+        "learn: one race, at most 900 flights": (tune_lesson, Lesson(race, "hummingbird")),
+        "lap-time front: one plan, at most 200 flights": (try_plan, Trial(race, first_plan_settings(race), "gate_gp", settings)),
         "betaflight: one flight": (fly_sortie, Sortie("betaflight", scenario, 0, one, np.zeros(1, dtype=np.int64), ())),
     }
     rows = []
@@ -108,8 +108,8 @@ def nothing(_: bytes) -> Iterator[int]:
 
 
 @contextmanager
-def cluster(workers: int) -> Iterator[tuple[str, dict[str, int]]]:
-    """Scheduler and workers on this machine: the address, and their processes by name."""
+def cluster(workers: int) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """Scheduler and workers on this machine: the file of the address, and their processes, the scheduler's first."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
         variables = {**os.environ, "PYTHONPATH": path, "DASK_LOGGING__DISTRIBUTED": "critical"}
@@ -125,7 +125,7 @@ def cluster(workers: int) -> Iterator[tuple[str, dict[str, int]]]:
 
             with Client(scheduler_file=str(file), set_as_default=False) as client:
                 client.wait_for_workers(workers)
-            yield str(file), {"scheduler": begun[0].pid, "worker": begun[1].pid}
+            yield str(file), tuple(process.pid for process in begun)
         finally:
             for process in begun[::-1]:
                 process.terminate()
@@ -146,34 +146,40 @@ def tasks() -> str:
     for workers in (1, 2):
         with cluster(workers) as (address, processes), opened(address) as engine:
             for count, size in ((200, PAYLOAD), (1000, 100), (1000, PAYLOAD), (300, 260_000)):
-                before = {name: spent_by(pid) for name, pid in processes.items()}
+                before = [spent_by(pid) for pid in processes]
                 begun, own = time.perf_counter(), time.process_time()
                 found = sum(1 for _ in engine.spread(nothing, [bytes(size)] * count))
                 assert found == count
                 wall, client = time.perf_counter() - begun, time.process_time() - own
-                each = {name: 1e3 * (spent_by(pid) - before[name]) / count for name, pid in processes.items()}
+                scheduler, *others = (1e3 * (spent_by(pid) - then) / count for pid, then in zip(processes, before, strict=True))
                 if count != 200:  # the first ones warm up
-                    figures = (f"{each['scheduler']:.2f}", f"{1e3 * client / count:.2f}", f"{each['worker'] * workers:.2f}")
+                    figures = (f"{scheduler:.2f}", f"{1e3 * client / count:.2f}", f"{sum(others):.2f}")
                     rows.append((str(workers), f"{size:,}", f"{count / wall:.0f}", *figures))
     return table(("workers", "bytes a piece", "pieces/s", "ms scheduler", "ms client", "ms workers"), rows)
 
 
 def runs() -> str:
     """A comparison that is flown anew by each engine."""
-    settings = TuningSettings(budget=100, confirm=4, validation=50, reliability=0.0)
-    pieces = [(Cell(load_race(RACE), "gate_gp", settings, (seed,)),) for seed in range(16)]
+    settings = TuningSettings(budget=400, confirm=4, validation=50, reliability=0.0)
+    pieces = [(Cell(load_race("final-22"), "metropolis_hastings", settings, (seed,)),) for seed in range(16)]
     rows, answers = [], []
     for name, workers in (("processes", 1), ("processes", 2), ("cluster", 1), ("cluster", 2)):
-        with cluster(workers) as (address, _), opened(address if name == "cluster" else None, workers) as engine:
+        with cluster(workers) as (address, processes), opened(address if name == "cluster" else None, workers) as engine:
             warm = list(engine.spread(fly_cells, pieces[:workers])) if name == "cluster" else []
-            begun = time.perf_counter()
+            begun, before, own = time.perf_counter(), [spent_by(pid) for pid in processes], os.times()
             found = list(engine.spread(fly_cells, pieces))
-            wall = time.perf_counter() - begun
+            wall, now = time.perf_counter() - begun, os.times()
+            scheduler, *others = (spent_by(pid) - then for pid, then in zip(processes, before, strict=True))
+            here = now.user + now.system - own.user - own.system
+            children = now.children_user + now.children_system - own.children_user - own.children_system
+            work, beside = (sum(others), scheduler + here) if name == "cluster" else (children, here)
+            work, beside = (work, beside) if children or name == "cluster" else (here, 0.0)
             answers.append(sorted((run.seed, run.flights, run.cost) for _, (_, run) in found))
             del warm
-        rows.append((name, str(workers), f"{wall:.1f}", f"{sum(run.flights for _, (_, run) in found) / wall:.0f}"))
+        flown = sum(run.flights for _, (_, run) in found)
+        rows.append((name, str(workers), f"{wall:.1f}", f"{flown / wall:.0f}", f"{work:.1f}", f"{beside:.2f}"))
     assert all(one == answers[0] for one in answers)
-    return table(("engine", "workers", "s", "search flights/s"), rows)
+    return table(("engine", "workers", "s", "search flights/s", "processor s of workers", "of client and scheduler"), rows)
 
 
 def simulated(workers: int, seconds: float, scheduler: float, client: float, rng: np.random.Generator) -> float:
