@@ -138,8 +138,8 @@ def _worlds(to: str | World | Sequence[str | World], home: str, engine: Engine |
     given = to.split(",") if isinstance(to, str) else to if isinstance(to, Sequence) else [to]
     listed = [one.strip() if isinstance(one, str) else one for one in given]
     with _about_to():
-        others = [worlds.build(one, engine=engine) if isinstance(one, str) else one for one in listed if one != home]
-        found = [worlds.build(home, engine=engine), *others]
+        others = [worlds.build(one, 1, engine) if isinstance(one, str) else one for one in listed if one != home]
+        found = [worlds.build(home, 1, engine), *others]
     distinct = {world.name: world for world in reversed(found)}
     if len(distinct) < 2:
         raise InputError("", "to", f"must name another world than {home}, where the study was tuned")

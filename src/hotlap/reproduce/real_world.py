@@ -131,7 +131,7 @@ def _journey(race: Race, flights: int, cluster: Engine | None) -> Journey:
     """Flights with the default weights, at home and abroad; the tuned ones are still to be found."""
     scenario = prepare(race)
     sets: Mapping[str, Parameters] = {DEFAULT: first_guess(scenario, DEFAULT)}
-    everywhere = (built_in_world(), AsFlown(), worlds.build(WORLD, engine=cluster))
+    everywhere = (built_in_world(), AsFlown(), worlds.build(WORLD, 1, cluster))
     return Journey(scenario, sets, everywhere, flight_seeds(0, Stream.DEMONSTRATION, 0, flights))
 
 
