@@ -7,6 +7,10 @@
 #   make docs      build the documentation: build/docs/index.html
 #   make bench     measure the flights    make studies   run the tests of minutes
 #   make benchmarks   measure everything  make clean     remove .venv and caches
+#   make torture   stop hotlap at random moments and take its power away, an hour, resumable (needs Linux, strace and root)
+#   make soak      a million flights and ten thousand tunings, an hour and a half
+#   make test-oldest   run the tests with the oldest dependencies that are supported
+#   make supply    check the lock file, known vulnerabilities, and that two wheels are the same
 #   make first-guess   learn first guesses anew, a quarter of an hour, resumable
 #   make pictures  draw what README and documentation show (needs chromium, node and npm)
 #   make page      build the study page anew from page/ (needs node 20 and npm)
@@ -26,7 +30,7 @@ PART ?= main
 ARGS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: tune test check lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
+.PHONY: torture soak test-oldest supply tune test check lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
@@ -56,6 +60,39 @@ benchmarks: $(VENV)/.benchmark
 
 comparison: $(VENV)/.hotlap
 	$(BIN)/python benchmarks/comparison.py $(PART) $(ARGS)
+
+torture: $(VENV)/.hotlap
+	$(BIN)/python benchmarks/torture.py $(ARGS)
+	$(BIN)/python benchmarks/power_cut.py $(ARGS)
+
+soak: $(VENV)/.hotlap
+	$(BIN)/python benchmarks/soak.py flights $(ARGS)
+	$(BIN)/python benchmarks/soak.py tunings $(ARGS)
+
+# The oldest release of everything that hotlap needs; what the tests need is as new as these allow.
+OLDEST := build/oldest
+test-oldest: $(OLDEST)/.made
+	XDG_CACHE_HOME=$(abspath $(OLDEST))/cache $(OLDEST)/bin/python -m pytest -m "not slow and not check" -n auto --dist worksteal $(ARGS)
+
+$(OLDEST)/.made: pyproject.toml
+	$(PYTHON) -m venv $(OLDEST)
+	$(OLDEST)/bin/python -m pip install --quiet uv
+	$(OLDEST)/bin/uv pip compile --quiet --python $(OLDEST)/bin/python --resolution lowest-direct pyproject.toml -o $(OLDEST)/oldest.txt
+	$(OLDEST)/bin/uv pip install --quiet --python $(OLDEST)/bin/python --overrides $(OLDEST)/oldest.txt --editable . --group test
+	@touch $@
+
+supply: $(VENV)/.supply
+	$(BIN)/uv lock --check
+	rm -rf build/again build/wheels && git clone --quiet . build/again
+	$(BIN)/python -m build --wheel --outdir build/wheels/here . >/dev/null
+	$(BIN)/python -m build --wheel --outdir build/wheels/again build/again >/dev/null
+	cmp build/wheels/here/*.whl build/wheels/again/*.whl && echo "two wheels are the same"
+	$(BIN)/uv export --quiet --frozen --all-extras --no-emit-project -o build/requirements.txt
+	$(BIN)/pip-audit --disable-pip --require-hashes -r build/requirements.txt
+
+$(VENV)/.supply: $(VENV)/.hotlap | $(VENV)/.groups
+	$(INSTALL) --group supply
+	@touch $@
 
 first-guess: $(VENV)/.hotlap
 	$(BIN)/hotlap learn --out build/first-guess $(ARGS)

@@ -16,7 +16,7 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
     {"reference"},
     {"files", "flight"},
     {"reference_files"},
-    {"planning", "feasibility", "worlds", "tuners"},
+    {"planning", "feasibility", "worlds", "tuners", "logs"},
     {"tuning", "first_guess", "importers"},
     {"study", "optuna"},
     {"analysis", "exporters"},

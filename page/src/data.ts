@@ -38,6 +38,8 @@ export interface Headline {
   readonly confirmed: boolean;
   readonly confirm: number;
   readonly kept?: Kept;
+  /** That the search kept what it began with, in words; pages of before do not say. */
+  readonly kept_guess?: string | null;
   readonly validation: Interval | null;
   readonly wall_time: number | null;
   readonly remark: string;
@@ -200,6 +202,12 @@ export interface Flights {
   readonly stream: ArrayLike<number>;
   readonly accepted: ArrayLike<number>;
   readonly succeeded: ArrayLike<number>;
+  /** Whether the flight was with the parameters that are the result. */
+  readonly tuned: ArrayLike<number>;
+  /** Whether the tuner is a chain, so that what it accepts says where it goes on from. */
+  readonly chain: boolean;
+  /** What is said of flights that passed and that failed. */
+  readonly verdicts: readonly [string, string];
   readonly failed_segment: ArrayLike<number>;
   readonly cost_name: string;
 }
@@ -220,6 +228,8 @@ export interface Samples {
   readonly accepted: ArrayLike<number>;
   readonly completion: Table;
   readonly succeeded: ArrayLike<number>;
+  readonly chain: boolean;
+  readonly verdicts: readonly [string, string];
   readonly of: number;
 }
 
@@ -232,6 +242,10 @@ export interface Sensitivity {
   readonly cost_name?: string;
   readonly cost?: Table;
   readonly cost_by_segment?: Table;
+  /** Whether completion is the same whatever is changed; whether the cost is shown in its place, over factors and in segments. */
+  readonly flat: boolean;
+  readonly cost_tells: boolean;
+  readonly cost_tells_by_segment: boolean;
 }
 
 /** What is left of thrust and body rates over what the plan needs, where that is least. */

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,10 +12,14 @@ from flight.scenarios import TUNED, make_race, make_scenario
 from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling, without_symptoms
 from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import FailureCause
+from hotlap.feasibility.margins import margin
+from hotlap.files.descriptions import load_race
+from hotlap.first_guess.guess import first_guess
+from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import UNCHANGED
 from hotlap.race.gate import Gate
 from hotlap.race.hold import parse_hold
-from hotlap.race.race import PlanDynamics, Race
+from hotlap.race.race import GateRule, PlanDynamics, Race
 from hotlap.race.track import Track
 from hotlap.reference.attitude import follow_axes, turn_rates
 from hotlap.reference.reference import PERIOD, Reference
@@ -22,11 +29,13 @@ from hotlap.worlds.built_in import BuiltIn
 
 NOISE = {"position": 0.05, "thrust": 0.02, "rates": 0.1}
 LOUD = {"position": 0.1, "velocity": 0.1, "thrust": 0.05, "rates": 0.3}
+SLUGGISH = (1.0, 100.0, 1.0, 1.0, 1.0)  # weights: it hardly cares
 RESTLESS = (32.5, 104.6, 9.7, 821.9, 1.7)  # weights: velocity at any price
 SLOW = {"delay": 0.06, "rate_gain": (40.0, 40.0, 20.0), "motor_time": (0.06, 0.06)}
 LAGGING = {"rate_gain": (8.0, 8.0, 4.0), "motor_time": (0.08, 0.08)}
 WIDE = {"distance": 0.6}
 SEEDS = np.arange(16)
+EARLY = ("airsim-final-22", "airsim-final-21", "airsim-flip-16", "airsim-qualifier-20", "qualifier-20", "final-22")  # fail before their end
 WORLD = BuiltIn(threads=1)
 
 
@@ -124,11 +133,68 @@ def test_flights_that_fail_for_one_cause_are_told_it_first_with_what_makes_them_
 
 
 def test_what_nothing_helps_but_thrust_is_certain_and_told_with_the_plan_that_would_do():
-    scenario = dashing(dash(12.0, 0.4), make_race(noise=NOISE, judge={"distance": 0.3}, **weak(12.0, 0.8)))
+    scenario = dashing(dash(12.0, 0.4), make_race(noise=NOISE, judge={"distance": 0.3}, **weak(12.0, 0.9)))
     first, *_ = found(scenario)
     assert first.cause is FailureCause.NO_MARGIN
     assert "no weights will help" in first.found
     assert "takes at most" in first.advice
+
+
+def later(reference: Reference, push: float) -> Reference:
+    """The same until a little after its second gate, then with so much more thrust than it takes."""
+    more = np.where(reference.times > reference.gate_times[1] + 0.1, push, 0.0)
+    return replace(reference, thrust=reference.thrust + more)
+
+
+def sluggish(reference: Reference) -> Scenario:
+    """A race whose gates flights miss by their weights alone."""
+    judge = {"distance": 0.1, "rule": GateRule.CLOSEST}
+    return dashing(reference, make_race(noise=NOISE, judge=judge, controller={"thrust": (0.1, 20.0), "lag_lead": 0.5}))
+
+
+def test_what_lies_after_the_gate_at_which_flights_fail_is_no_cause():
+    scenario = sluggish(later(dash(9.0, 0.2), 20.0))
+    assert margin(scenario.race, scenario.reference).lacking
+    causes = found(scenario, weights=SLUGGISH)
+    assert {one.gate for one in causes} <= {"gate 1", "gate 2"}
+    assert FailureCause.NO_MARGIN not in {one.cause for one in causes}
+
+
+def test_where_nothing_else_helps_other_weights_are_tried_and_what_happens_at_the_gate_is_told():
+    (only,) = found(sluggish(dash(9.0, 0.2)), weights=SLUGGISH)
+    assert only.cause is FailureCause.WEIGHTS
+    assert "m from the reference at gate 1, with thrust and rates within their limits" in only.found
+    assert "Q_pos_xy multiplied by" in only.advice
+    assert only.rate == 1.0
+
+
+@pytest.mark.check
+@pytest.mark.parametrize(
+    "race", ["airsim-final-22", "airsim-final-21", "airsim-flip-16", "airsim-qualifier-20", "qualifier-20", "final-22"]
+)
+def test_no_cause_that_is_told_of_a_real_race_lies_after_the_gate_at_which_flights_fail(race):
+    scenario = prepare(load_race(race))
+    names = [point.name for point in scenario.race.track.route if point.counts]
+    for weights in (scenario.space.first_guess(len(scenario.segments)), first_guess(scenario)):
+        for one in diagnose(scenario, WORLD, weights, SEEDS):
+            places = [names.index(name) for name in re.findall(r"gate \d+", one.found)]
+            assert one.gate
+            assert all(place <= names.index(one.gate) for place in places), one.words
+
+
+def test_a_trial_that_held_in_no_flight_does_not_say_that_it_would():
+    vain = Validation(12, 0)
+    race = make_race(noise=NOISE, judge={"distance": 0.02}, **weak(12.0, 0.9))
+    for one in found(dashing(dash(12.0, 0.4), race)):
+        assert one.rate < 0.5
+        assert " would" not in one.advice
+    lost = Diagnosis(FailureCause.NO_MARGIN, "0.9", "planning.thrust_share = 0.5", vain, "with enough of it")
+    assert not lost.helps
+    assert lost.proof == "0 of 12 flights hold with enough of it"
+    further = replace(lost, passed=11, gate="gate 3")
+    assert further.helps
+    assert further.proof == "11 of 12 flights pass gate 3 with enough of it, none of them to the end: not enough by itself"
+    assert further.rank > lost.rank
 
 
 def test_flights_that_hold_have_no_causes():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from hotlap.analysis.diagnosis import Diagnosis
 from hotlap.analysis.remedies import failures_of, what_to_try, why
 from hotlap.analysis.robustness import Robustness
@@ -61,3 +63,32 @@ def test_flights_alone_need_no_name_of_a_condition():
 
 def test_where_nothing_fails_there_is_nothing_to_try():
     assert what_to_try(failures_of([row(UNCHANGED)])) == ()
+
+
+def vain(cause: FailureCause, advice: str, flights: int = 12) -> Diagnosis:
+    return Diagnosis(cause, "found", advice, Validation(flights, 0))
+
+
+def test_slower_plans_that_held_in_no_flight_are_said_once_not_to_help():
+    plans = [vain(FailureCause.NO_MARGIN, f"a plan that takes at most {most} m/s^2") for most in (9.0, 8.2, 7.6)]
+    rows = [row(condition, plan) for condition, plan in zip((UNCHANGED, HEAVY, WEAK), plans, strict=True)]
+    assert what_to_try(failures_of(rows)) == (
+        "slower plans (as tuned, 10 % heavier, 15 % less thrust) alone do not help: 0 of 12 flights hold",
+    )
+    assert what_to_try(failures_of((), plans)) == ("slower plans alone do not help: 0 of 12 flights hold",)
+
+
+def test_what_does_not_help_is_one_line_behind_what_does():
+    share = vain(FailureCause.NO_MARGIN, "planning.thrust_share = 0.5")
+    damped = vain(FailureCause.CHATTERING, "set controller.input_weights = [1, 10, 10]")
+    assert what_to_try(failures_of([row(UNCHANGED, share, BLIND), row(HEAVY, damped)])) == (
+        "set controller.predict = true (as tuned: 12 of 12 flights hold)",
+        "slower plans (as tuned), controller.input_weights = [1, 10, 10] (10 % heavier) alone do not help: 0 of 12 flights hold",
+    )
+    assert what_to_try(failures_of((), (damped,))) == ("controller.input_weights = [1, 10, 10] alone does not help: 0 of 12 flights hold",)
+
+
+def test_of_several_largest_thrusts_of_a_plan_the_least_is_told():
+    plans = [replace(lacking(0), advice=f"a plan that takes at most {most} m/s^2 would") for most in (14.2, 13.1)]
+    (line,) = what_to_try(failures_of([row(HEAVY, plans[0]), row(WEAK, plans[1])]))
+    assert line.startswith("a plan that takes at most 13.1 m/s^2 would (10 % heavier: 14.2, 12 of 12 flights hold")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -73,3 +75,17 @@ def _clipped() -> int:
     space, points = make_scenario().space, OPTIMUM[:, None] * np.array(FACTORS)
     kept = [len(np.unique(np.clip(row, low, high))) for row, low, high in zip(points, space.low, space.high, strict=True)]
     return 5 * len(FACTORS) - sum(kept)
+
+
+def test_the_cost_tells_only_where_completion_tells_nothing(found):
+    assert not found.flat
+    assert not found.cost_tells
+    whole = np.ones_like(found.completion)
+    same = replace(found, completion=whole, by_segment=np.zeros_like(found.by_segment))
+    for level in (0.0, 0.5, 1.0):
+        told = replace(same, completion=level * whole)
+        assert (told.flat, told.cost_tells, told.cost_tells_by_segment) == (True, True, True)
+    alone = replace(same, by_segment=np.full_like(found.by_segment, 0.1))
+    assert (alone.cost_tells, alone.cost_tells_by_segment) == (True, False)
+    unknown = replace(same, cost=np.full_like(found.cost, np.inf), cost_by_segment=np.full_like(found.cost_by_segment, np.nan))
+    assert (unknown.flat, unknown.cost_tells, unknown.cost_tells_by_segment) == (True, False, False)

@@ -52,7 +52,7 @@ def world(here, monkeypatch):
 def no_page(monkeypatch, request):
     """Pages take their time, and one test looks at one."""
     if "page" not in request.node.name:
-        monkeypatch.setattr("hotlap.api.tuned._report", lambda *_: ((), None))
+        monkeypatch.setattr("hotlap.api.tuned._report", lambda *_: ((), None, {}))
 
 
 @pytest.mark.usefixtures("world")

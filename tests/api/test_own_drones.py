@@ -87,7 +87,7 @@ RACES = {
 
 @pytest.mark.parametrize("name", ["yard", *(pytest.param(name, marks=pytest.mark.check) for name in ("room", "field", "barn"))])
 def test_a_drone_of_ones_own_is_flown_boldly_and_its_controller_holds(name, tmp_path, monkeypatch):
-    monkeypatch.setattr("hotlap.api.tuned._report", lambda *_: ((), None))
+    monkeypatch.setattr("hotlap.api.tuned._report", lambda *_: ((), None, {}))
     drone, track, lap = RACES[name]
     (tmp_path / "drone.toml").write_text(DRONES[drone], encoding="utf-8")
     (tmp_path / f"{name}.toml").write_text(f'vehicle = "drone.toml"\n{track}', encoding="utf-8")

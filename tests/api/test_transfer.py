@@ -235,6 +235,14 @@ def test_the_command_prints_the_same(study, monkeypatch, capsys):
     assert [row["flights"] for row in document["rows"]] == [3] * 4
 
 
+def test_another_version_than_the_study_was_tuned_with_is_one_line(study, monkeypatch, capsys):
+    monkeypatch.setattr(worlds, "build", lambda name: Counted() if name == "plant" else worlds.BuiltIn())
+    monkeypatch.setattr("hotlap.study.versions.versions_now", lambda: {"hotlap": "99.0"})
+    assert main(["transfer", str(study), "--to", "plant"]) == 0
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "when the study was tuned" in line]
+    assert line.startswith("note: hotlap is 99.0, and was ")
+
+
 def test_a_command_that_asks_for_a_world_that_is_not_there_is_one_line(study, capsys):
     assert main(["transfer", str(study), "--to", "mars"]) == 2
     told = capsys.readouterr()

@@ -286,6 +286,12 @@ def test_stopped_it_says_how_to_go_on_and_going_on_ends_as_if_never_stopped(here
     assert content(here / arguments[-1]) == content(here / "whole")
 
 
+def test_a_study_that_was_stopped_before_anything_was_in_it_is_begun(hotlap, here):
+    (here / "mine").mkdir()
+    (here / "mine" / FILE).touch()
+    assert hotlap("tune", "straight.toml", "--seed", "1", "--out", "mine").code == 0
+
+
 def test_an_interrupted_study_has_no_parameters_yet_and_says_so(hotlap, environment):
     process = start((*HARD, "--out", "mine"), environment)
     wait_for_flights(process, 3)

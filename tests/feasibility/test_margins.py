@@ -107,6 +107,29 @@ def test_a_plan_that_brakes_with_more_drag_than_the_vehicle_has_needs_rotors_tha
     assert margin(race, braking(24.0), offset_free=True).enough  # a limit of 20 m/s^2 cuts some of it, but the rotors have it
 
 
+def test_what_is_needed_later_does_not_count():
+    race, whole = make_race(), under("")
+    last = 0.0
+    for until in np.linspace(0.3, REFERENCE.duration, 12):
+        found = margin(race, REFERENCE, until=until)
+        assert found.time <= until + 1e-9
+        assert found.needed >= last
+        last = found.needed
+    assert margin(race, REFERENCE, until=REFERENCE.duration).dump() == margin(race, REFERENCE).dump()
+    assert last == whole.needed
+    half = [
+        margin(race, REFERENCE, *parse_hold("sag=20%"), until=until).available for until in (REFERENCE.duration / 2, REFERENCE.duration)
+    ]
+    assert half[0] > half[1], "a battery that is half empty by then"
+
+
+def test_where_no_slower_plan_could_hover_none_is_named():
+    race = make_race(controller={"thrust": (0.1, 12.0)}, vehicle={"rotor_thrust": (0.0, 12.0 * 0.716 / 4)})
+    said = explain(race, REFERENCE, margin(race, REFERENCE), planned=False)
+    assert "no slower plan" in said
+    assert "takes at most" not in said
+
+
 def test_a_battery_sags_towards_the_end():
     fresh, empty = under(""), under("sag=20%")
     assert empty.available == pytest.approx(0.8 * fresh.available, rel=0.02)

@@ -41,12 +41,12 @@ HARMFUL = {
     "broken.sdf": ("<sdf><model></sdf>", "is not valid XML"),
     "empty.yaml": ("", "holds no keys"),
     "list.yaml": ("- 1\n", "holds no keys"),
-    "numbers.yaml": ("1: {n_motors: 4}\non: {n_motors: 4}\n", "describes 2 vehicles; choose one with --name: 1, on"),
+    "numbers.yaml": ("1: {n_motors: 4}\non: {n_motors: 4}\n", "describes 2 vehicles; choose one with name=...: 1, on"),
     "short.yaml": ("kappa: 1\nmass: 1\nt_BM: [[1, 2, 3, 4]]\n", "t_BM: must have 3 rows, not 1"),
     "endless.sdf": (f"<sdf><model><include><uri>{'a' * 300}</uri></include></model></sdf>", "no model has plugins of motors"),
     "unknown.yaml": ("colour: red\n", "is none of what can be read: a track of TOGT-Planner (YAML); "),
     "unknown.xml": ("<html/>", "is none of what can be read"),
-    "own.toml": ("start = [0, 0, 1]\ngates = [[1, 0, 1]]\nend = [2, 0, 1]\n", "is a file of hotlap itself: hotlap check "),
+    "own.toml": ("start = [0, 0, 1]\ngates = [[1, 0, 1]]\nend = [2, 0, 1]\n", "is a file of hotlap itself: hotlap.check("),
 }
 
 

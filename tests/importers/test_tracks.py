@@ -78,7 +78,7 @@ def test_a_level_of_lsy_has_openings_frames_poles_and_a_box():
     assert track.box.high == pytest.approx((2.6, 1.6, 2.1))
     assert track.box.low == pytest.approx((-2.6, -1.6, -0.101))
     assert any("env.randomizations: gate_pos" in remark for remark in imported.lost)
-    assert any("--name cf21B_500" in remark for remark in imported.lost)
+    assert any("as cf21B_500" in remark for remark in imported.lost)
 
 
 def test_a_level_of_lsy_in_its_older_form_starts_from_its_one_drone(tmp_path):

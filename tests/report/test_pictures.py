@@ -13,6 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from fake_world import make_scenario
+from hotlap.analysis.sensitivity import survey_sensitivity
 from hotlap.core.errors import InputError
 from hotlap.core.records import End, Log
 from hotlap.core.seeds import Stream, flight_seeds
@@ -21,7 +22,7 @@ from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.report import figures, pictures
 from hotlap.report.canvas import CLASS_CODES
-from hotlap.report.history import compare, recount
+from hotlap.report.history import collect, compare, recount
 from hotlap.report.page.replay import choose, demonstrate
 from hotlap.report.pictures import FORMATS, draw, draw_everything, draw_plan, figures_of, save
 from hotlap.report.scene import stage
@@ -281,7 +282,19 @@ def test_marks_that_do_not_occur_are_not_explained(tmp_path):
     )
     with Study.open(tmp_path, configuration) as study:
         figure = figures.convergence(recount(study.flights(), parse_goal("none"), "cost [s]"), "straight")
-    assert "rejected" not in texts(figure)
+    assert not any(words in texts(figure) for words in ("passed", "missed", "re-flight", "kept"))
+
+
+@pytest.mark.check
+def test_the_flight_that_was_kept_is_marked_in_both_charts(tmp_path):
+    study = carry(tmp_path, configure())
+    history = recount(study.ledger, study.configuration.settings.goal, "cost [s]", study.best)
+    shown = texts(figures.convergence(history, "straight"))
+    assert "tuned: kept" in shown
+    assert "passed the goal" in shown
+    found = collect(study.ledger, study.configuration.settings.goal)
+    pairs = texts(figures.samples(found, study.configuration.scenario.space, study.best, "straight"))
+    assert all(words in pairs for words in ("passed the goal", "failed the goal", "tuned: kept"))
 
 
 def test_a_figure_of_one_file_is_saved_whole(tmp_path):
@@ -352,3 +365,18 @@ def test_samples_and_sensitivity_name_every_parameter(study, everything):
     for name in ("samples", "sensitivity"):
         drawn = texts(everything[name])
         assert all(parameter in drawn for parameter in study.configuration.scenario.space.names)
+
+
+def test_where_completion_tells_nothing_sensitivity_is_in_cost_as_on_the_page(study):
+    asked = study.configuration
+    change = pictures._change(study)
+    lost = survey_sensitivity(asked.scenario, PlausibleWorld(reach=50.0), study.best, 0)
+    some = survey_sensitivity(asked.scenario, PlausibleWorld(), study.best, 0)
+    flat, told = (texts(figures.sensitivity(found, change, "title", "cost [s]")) for found in (lost, some))
+    assert lost.cost_tells
+    assert "cost [s]" in flat
+    assert "completion [%]" not in flat
+    assert "completion stays at" in flat
+    assert not some.cost_tells
+    assert "completion [%]" in told
+    assert "cost" not in told

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 import threading
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 
 import pytest
 
@@ -33,10 +33,11 @@ def serving(host="127.0.0.1", below=lambda _: None):
             thread.join()
 
 
-def get(server, path):
+def get(server, path, *hosts):
     """Status of the answer to a request that no client checks before it is sent."""
+    named = "".join(f"Host: {host}\r\n" for host in hosts or [f"127.0.0.1:{server.server_port}"])
     with socket.create_connection(("127.0.0.1", server.server_port), timeout=30) as client:
-        client.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{server.server_port}\r\n\r\n".encode())
+        client.sendall(f"GET {path} HTTP/1.1\r\n{named}\r\n".encode())
         said = client.makefile("rb").read()
     return int(said.split()[1]) if said else None
 
@@ -53,11 +54,38 @@ def test_a_browser_that_leaves_before_it_has_the_page_is_no_error(capfd):
     assert capfd.readouterr().err == ""
 
 
-@pytest.mark.parametrize("path", ["//[", "//[x]/", "http://[/", "http://localhost/x"])
+@pytest.mark.parametrize("path", ["//[", "//[x]/", "http://[/", "http:///x"])
 def test_a_path_that_is_no_address_is_not_there(path, capfd):
     with serving() as server:
         assert get(server, path) == 404
     assert capfd.readouterr().err == ""
+
+
+def test_only_one_host_may_be_asked_for_and_a_whole_address_names_its_host_too():
+    with serving() as server:
+        here = f"127.0.0.1:{server.server_port}"
+        assert get(server, "/x", here) == get(server, f"http://{here}/x", here) == 404
+        for path, hosts in (("/x", (here, here)), ("/x", (here, "evil.example")), ("http://evil.example/x", (here,)), ("/x", ("",))):
+            assert get(server, path, *hosts) == 403, (path, hosts)
+
+
+def test_two_hundred_browsers_that_say_nothing_keep_nobody_from_the_page():
+    with serving() as server, ExitStack() as silent:
+        for _ in range(200):
+            silent.enter_context(socket.create_connection(("127.0.0.1", server.server_port), timeout=30))
+        assert get(server, "/data.json?flights=7") == 204
+
+
+def test_a_browser_that_sends_a_byte_at_a_time_is_cut_off(monkeypatch):
+    monkeypatch.setattr("hotlap.report.server.LONGEST", 0.3)
+    with serving() as server, socket.create_connection(("127.0.0.1", server.server_port), timeout=0.1) as client:
+        said = None
+        with suppress(ConnectionError):
+            while said is None:
+                client.sendall(b"G")
+                with suppress(TimeoutError):
+                    said = client.recv(1)
+        assert not said
 
 
 def test_pages_of_studies_lie_below_by_their_names_and_no_other_name_leads_anywhere():
@@ -94,6 +122,6 @@ def test_who_listens_everywhere_is_known_by_any_number_but_by_no_other_name(host
         for address in ("192.0.2.7", "[2001:db8::1]"):
             assert server.knows(f"{address}:{port}") is others
             assert not server.knows(f"{address}:{port + 1}")
-        for name in ("evil.example", "192.0.2.7.evil.example", "192.0.2", "", "[::1", "2001:db8::1"):
+        for name in ("evil.example", "[::1%evil.example]", "192.0.2.7.evil.example", "192.0.2", "", "[::1", "2001:db8::1"):
             assert not server.knows(f"{name}:{port}")
         assert server.knows(f"localhost:{port}")

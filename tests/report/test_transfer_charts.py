@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hotlap.analysis.transfer import TransferFlight, metres, rows_of
-from hotlap.report.transfer_article import cells_of, changes, compose_article, endings
+from hotlap.report.transfer_article import cells_of, changes, compose_article, endings, later_error
 from hotlap.report.transfer_charts import draw_transfer, error_boxes, error_over_time
 
 
@@ -74,9 +75,27 @@ def test_flights_that_ended_at_once_can_be_drawn(tmp_path):
 
 def test_errors_are_compared_where_all_flights_are_complete():
     home, abroad = changes(rows_with(crash=4))
-    assert home == "home: tuned against default, mean error -50 %, largest error -50 % (means of the flights)"
+    assert home == "home: tuned against default, mean error -50 %, largest error after 1 s -50 % (means of the flights)"
     assert abroad == "abroad: 3 of 3 flights pass every gate when tuned, 0 of 3 with the default parameters"
     assert list(endings(rows_with(crash=4))) == [["abroad", "default", "3 missed gate 2"]]
+
+
+def test_the_largest_error_is_not_that_of_the_start_which_the_noise_draws():
+    begun = flight("home", "tuned", [0.9, 0.8, 0.2, 0.3], complete=True)
+    begun = replace(begun, times=np.array([0.0, 0.9, 1.0, 1.5]))
+    assert later_error(begun) == 0.3
+    assert cells_of(rows_of([begun]))[0][4] == "0.30"
+    assert later_error(replace(begun, times=np.array([0.0, 0.1, 0.2, 0.3]))) == 0.9, "one that ended before is all start"
+
+
+def test_table_and_chart_round_an_error_once():
+    """10.084989 m, kept as 10.085, was 10.08 in one and 10.09 in the other."""
+    calm = flight("home", "default", [0.1, 0.1, 0.1], complete=True)
+    lost = replace(flight("home", "tuned", [0.1, 0.1, 10.085], complete=False), max_error=10.084989)
+    lost, calm = (replace(one, times=np.array([0.0, 1.0, 2.0])) for one in (lost, calm))
+    rows = rows_of([calm, lost])
+    drawn = [text.get_text() for text in error_boxes("circle", rows).get_axes()[0].texts]
+    assert cells_of(rows)[1][4] in drawn
 
 
 def test_many_flights_have_a_mean_and_a_range():

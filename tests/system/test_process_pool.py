@@ -54,6 +54,16 @@ def die(piece: int):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+class Stillborn:
+    """Work that ends the process which receives it."""
+
+    def __call__(self, piece):
+        yield piece
+
+    def __reduce__(self):
+        return os._exit, (1,)
+
+
 def environment(_: int):
     yield {name: os.environ.get(name) for name in ONE_THREAD}
 
@@ -102,6 +112,12 @@ def test_a_foreign_error_arrives_in_words():
 def test_a_worker_that_dies_is_not_waited_for():
     with pytest.raises(HotlapError, match="worker process has died"):
         list(spread(die, [1, 2], 2))
+
+
+@pytest.mark.parametrize("size", [1, 10_000_000])
+def test_a_worker_that_dies_before_it_has_read_its_piece_is_told_in_the_same_words(size):
+    with pytest.raises(HotlapError, match="worker process has died"):
+        list(spread(Stillborn(), [bytes(size)] * 2, 2))
 
 
 def test_workers_use_one_thread_of_linear_algebra_and_the_parent_keeps_its_own(monkeypatch):

@@ -3,7 +3,7 @@ import type { App } from "../app";
 import type { ParameterSet, Sensitivity } from "../data";
 import { row, type Table } from "../table";
 import { card, h, renew, s } from "../dom";
-import { digits, percent, symbol } from "../format";
+import { FLOWN_LATER, digits, percent, symbol } from "../format";
 
 const WIDTH = 190;
 const HEIGHT = 110;
@@ -30,7 +30,7 @@ export function sensitivity(app: App): { readonly element: HTMLElement; readonly
   const note = element.querySelector(".note");
   const build = (): void => {
     const { sensitivity: flown, parameters } = app.parts;
-    if (!flown.value || !parameters.value) return renew(body, "Not flown.");
+    if (!flown.value || !parameters.value) return renew(body, app.parts.headline.value.state === "running" ? FLOWN_LATER : "Not flown.");
     const [known, set] = [flown.value, parameters.value];
     const measure = measureOf(known);
     const order = set.names.map((_, k) => k).sort((a, b) => change(known, measure, b).loss - change(known, measure, a).loss);
@@ -43,15 +43,10 @@ export function sensitivity(app: App): { readonly element: HTMLElement; readonly
   return { element, build };
 }
 
-/** Whether completion is the same whatever is changed. */
-export function flat(flown: Sensitivity): boolean {
-  return Math.max(...flown.completion.values) - Math.min(...flown.completion.values) < LITTLE;
-}
-
 /** Completion, unless it is the same whatever is changed. */
 function measureOf(flown: Sensitivity): Measure {
-  const costs = flown.cost ? Array.from(flown.cost.values).filter(Number.isFinite) : [];
-  if (!flown.cost || !costs.length || !flat(flown)) return { values: flown.completion, sign: 1, range: [0, 1], write: percent, bars: flown.complete };
+  if (!flown.cost || !flown.cost_tells) return { values: flown.completion, sign: 1, range: [0, 1], write: percent, bars: flown.complete };
+  const costs = Array.from(flown.cost.values).filter(Number.isFinite);
   const [low, high] = [Math.min(...costs), Math.max(...costs)];
   const margin = Math.max(0.05 * (high - low), 0.01 * Math.abs(high), 1e-9);
   const unit = /\[(.*)\]/.exec(flown.cost_name ?? "")?.[1] ?? "";
@@ -73,7 +68,7 @@ function saidOfCompletion(flown: Sensitivity, measure: Measure, set: ParameterSe
   const idle = found.filter(({ loss, gain }) => loss < LITTLE && gain < LITTLE);
   const strong = found.filter(({ loss }) => loss >= MUCH);
   const better = found.filter(({ gain }) => gain >= MUCH);
-  if (flat(flown)) return [`Completion stays at ${percent(flown.completion.values[0])} whatever is changed, so it tells nothing here. `];
+  if (flown.flat) return [`Completion stays at ${percent(flown.completion.values[0])} whatever is changed, so it tells nothing here. `];
   for (const { k, loss, worst } of strong.slice(0, 2)) words.push(name(set, k), ` multiplied by ${fraction(flown.factors[worst])} loses ${percent(loss)} of the gates. `);
   for (const { k, gain, best } of better.slice(0, 2)) words.push(name(set, k), ` multiplied by ${fraction(flown.factors[best])} passes ${percent(gain)} more of the gates: the search stopped short of it. `);
   if (idle.length) words.push(...listed(set, idle.map(({ k }) => k)), idle.length === 1 ? " has almost no effect" : " have almost no effect", `: completion stays within ${percent(LITTLE)} from ${ends[0]} to ${ends[1]} times the tuned value, or the bounds. `);

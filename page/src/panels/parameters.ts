@@ -1,9 +1,8 @@
 /** Parameters of a segment: default, first guess and tuned value on a logarithmic axis, and how much completion depends on each. */
 import type { App } from "../app";
-import type { ParameterSet, Sensitivity } from "../data";
+import type { Headline, ParameterSet, Sensitivity } from "../data";
 import type { Table } from "../table";
 import { card, h, renew, s } from "../dom";
-import { flat } from "../charts/sensitivity";
 import { digits, percent, symbol } from "../format";
 import { segmentSwitch } from "./segments";
 
@@ -18,17 +17,18 @@ export function parameters(app: App): HTMLElement {
     const segment = Math.min(app.pointed.value ?? app.chosen.value, count - 1);
     const losses = lossesOf(app.parts.sensitivity.value);
     const rows = set.names.map((_, k) => row(set, segment, k, losses));
-    renew(body, h("table", { class: "parameters" }, head(losses), h("tbody", {}, ...rows)), h("p", { class: "note small" }, explain(set), losses ? ` ${losses.explanation}` : ""), kept(set), all(set, app.parts.scenario.value.segment_names));
+    renew(body, h("table", { class: "parameters" }, head(losses), h("tbody", {}, ...rows)), h("p", { class: "note small" }, explain(set), losses ? ` ${losses.explanation}` : ""), kept(set, app.parts.headline.value), all(set, app.parts.scenario.value.segment_names));
   };
-  const { parameters: set, sensitivity, scenario } = app.parts;
-  for (const signal of [set, sensitivity, scenario, app.chosen, app.pointed]) signal.after(build);
+  const { headline, parameters: set, sensitivity, scenario } = app.parts;
+  for (const signal of [headline, set, sensitivity, scenario, app.chosen, app.pointed]) signal.after(build);
   build();
   return card("parameters", "Tuned parameters", "", segmentSwitch(app, "parameters"), body);
 }
 
-/** A note where the search found nothing better than the first guess. */
-function kept(set: ParameterSet): HTMLElement | null {
-  return set.best.values.every((value, i) => value === set.first.values[i]) ? h("p", { class: "quiet" }, "The search found nothing better than the first guess.") : null;
+/** A note where the first guess held, or the search found nothing better. */
+function kept(set: ParameterSet, summary: Headline): HTMLElement | null {
+  const words = summary.kept_guess ? "Nothing was changed: these held already when the search began." : "The search found nothing better than the first guess.";
+  return set.best.values.every((value, i) => value === set.first.values[i]) ? h("p", { class: "quiet" }, words) : null;
 }
 
 const MEANINGS: Readonly<Record<string, string>> = { Q_pos_xy: "position across", Q_pos_z: "height", Q_attitude: "attitude", Q_velocity: "velocity" };
@@ -57,8 +57,7 @@ interface Losses {
 function lossesOf(flown: Sensitivity | null): Losses | null {
   if (!flown) return null;
   const how = "when the value is multiplied by ¼ and by 4 (at most to its bounds) in this segment alone, the mean of both";
-  const none = Math.max(...flown.by_segment.values.map(Math.abs)) < 0.005;
-  if (!none || !flown.cost_by_segment || !flat(flown)) {
+  if (!flown.cost_by_segment || !flown.cost_tells_by_segment) {
     return { table: flown.by_segment, title: "gates lost if changed", write: (loss) => percent(loss).replace("-", "−"), share: (loss) => loss, explanation: `Gates lost ${how}; a minus: gates gained.` };
   }
   const table = flown.cost_by_segment;

@@ -17,6 +17,8 @@ from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import SYMPTOMS, Case, Cure, FailureCause, Suspicion, suspect
 from hotlap.feasibility.margins import margin
 from hotlap.feasibility.signs import Signs, signs_of
+from hotlap.feasibility.weights import suspect_weights
+from hotlap.feasibility.where import where_most_fail
 from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import UNCHANGED, Condition
 from hotlap.race.race import Race
@@ -32,6 +34,7 @@ HELPS = 0.25  # share of the flights by which a trial has to be better
 CHEAP = 5.0  # s of planning
 ENOUGH = 0.5  # share of the flights of a trial, below which it has not removed what makes them fail
 ALL = 0.95  # share that is enough, however many held before
+WOULD = " would"  # what follows it in an advice says that it helps
 ALIKE = 0.1  # difference of two shares that says little
 
 Replan = Callable[[Race], Scenario]
@@ -52,6 +55,8 @@ class Diagnosis(Shown):
         advice: what to do, in words.
         tried: flights without the cause that met the goal; None where that was not flown.
         supposed: what was only supposed in these flights, in words; "" where the advice itself was flown.
+        passed: how many of them passed the gate at which most had failed, where that is many more than before; else 0.
+        gate: the name of that gate; "" where flights failed that passed all.
     """
 
     cause: FailureCause
@@ -59,11 +64,23 @@ class Diagnosis(Shown):
     advice: str
     tried: Validation | None = None
     supposed: str = ""
+    passed: int = 0
+    gate: str = ""
 
     @property
     def rate(self) -> float:
         """Share of the flights without the cause that met the goal [-]; -1 where that was not flown."""
         return -1.0 if self.tried is None else self.tried.rate
+
+    @property
+    def rank(self) -> tuple[float, int, float]:
+        """Larger is better: how many flights without the cause held where these are enough, else how many got further, then held."""
+        return self.rate if self.rate >= ENOUGH else 0.0, self.passed, self.rate
+
+    @property
+    def helps(self) -> bool:
+        """Whether any flight without the cause held, or got further; True where that was not flown."""
+        return self.tried is None or bool(self.tried.successes or self.passed)
 
     @property
     def words(self) -> str:
@@ -76,8 +93,11 @@ class Diagnosis(Shown):
         if self.tried is None:
             return ""
         supposed = f" {self.supposed}" if self.supposed else ""
-        enough = ": not enough by itself" if self.rate < ENOUGH else ""
-        return f"{self.tried.successes} of {self.tried.flights} flights hold{supposed}{enough}"
+        holding, flights = self.tried.successes, self.tried.flights
+        if self.rate >= ENOUGH or not self.helps:
+            return f"{holding} of {flights} flights hold{supposed}"
+        further = f"{self.passed} of {flights} flights pass {self.gate}{supposed}, {holding or 'none'} of them to the end"
+        return f"{further if self.passed else f'{holding} of {flights} flights hold{supposed}'}: not enough by itself"
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON."""
@@ -99,6 +119,7 @@ def diagnose(
     """Why parameters fail, the likeliest cause first, at most three; none where they do not fail.
 
     Each suspicion is tried: the same flights without the cause. What does not help is not told, unless figures prove it or nothing helps.
+    Only what lies before the place at which most of them fail is a cause; where nothing helps, other weights are tried as well.
 
     Args:
         scenario: that is flown.
@@ -116,12 +137,15 @@ def diagnose(
         return ()
     known = 1 - float(case.failed.mean()) if before is None else before
     helps, suspicions = min(known + HELPS, ALL), suspect(case)
-    tested = [trial.test(suspicion, helps) for suspicion in suspicions]
+    tested = [trial.test(case, suspicion, helps) for suspicion in suspicions]
     proved = [one for one in tested if one.rate >= helps]
     certain = [one for one, suspicion in zip(tested, suspicions, strict=True) if suspicion.certain]
     roots = sorted((one for one in proved if one.cause not in SYMPTOMS and one not in certain), key=lambda one: -one.rate)
     told = _each_once(without_symptoms([*certain, *roots, *(one for one in proved if one.cause in SYMPTOMS)]))
-    return tuple(told[:MOST] or tested[:1])
+    if proved or certain:
+        return tuple(told[:MOST])
+    weights = suspect_weights(case, parameters)
+    return (max((*tested, trial.test(case, weights, helps)), key=lambda one: one.rank),)
 
 
 def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
@@ -188,38 +212,49 @@ class _Trial:
         flights = self._fly(noisy, row, self.seeds, log=len(self.seeds))
         return _case(self.scenario, flights, ~self._succeeded(noisy, flights), condition)
 
-    def test(self, suspicion: Suspicion, helps: float) -> Diagnosis:
-        """A suspicion with the first of its cures that helps, by the share of flights that hold then; or the first."""
-        tried = [(cure, self._try(cure)) for cure in suspicion.cures]
-        best = next((both for both in tried if both[1] is not None and both[1].rate >= helps), tried[0])
-        return Diagnosis(suspicion.cause, suspicion.found, best[0].advice, best[1], best[0].supposed)
+    def test(self, case: Case, suspicion: Suspicion, helps: float) -> Diagnosis:
+        """A suspicion with the first of its cures that helps, by the share of flights that hold then; or the one that helps most."""
+        tried = [self._try(case, suspicion, cure) for cure in suspicion.cures]
+        return next((one for one in tried if one.rate >= helps), max(tried, key=lambda one: one.rank))
 
-    def _try(self, cure: Cure) -> Validation | None:
-        """How many flights meet the goal with a cure; None where it cannot be flown."""
+    def _try(self, case: Case, suspicion: Suspicion, cure: Cure) -> Diagnosis:
+        """A suspicion with what flights with one of its cures gave, where that can be flown."""
+        told = Diagnosis(suspicion.cause, suspicion.found, cure.advice, None, cure.supposed, 0, case.where.name)
         scenario = replace(self.scenario, race=cure.race)
         if cure.replanned:
             try:
                 scenario = scenario if self.replan is None else self.replan(cure.race)
             except PlanningError:
-                return None
+                return told
             if self.replan is None or len(scenario.segments) != len(self.scenario.segments):
-                return None
-        flights = self._fly(scenario, cure.vehicle_parameters, self.seeds[:FLIGHTS])
-        return Validation(len(flights), int(self._succeeded(scenario, flights).sum()))
+                return told
+        seeds = self.seeds[:FLIGHTS]
+        flights = self._fly(scenario, cure.vehicle_parameters, seeds, parameters=cure.parameters)
+        told = replace(told, tried=Validation(len(flights), int(self._succeeded(scenario, flights).sum())))
+        further, before = (int((one.gates_passed[: len(seeds)] > case.where.gate).sum()) for one in (flights, case.flights))
+        more = bool(case.where.name) and further >= before + HELPS * len(seeds)
+        advice = cure.advice if told.rate >= ENOUGH else cure.advice.partition(WOULD)[0]
+        return replace(told, advice=advice, passed=further * more)
 
     def _succeeded(self, scenario: Scenario, flights: Flights) -> NDArray[np.bool_]:
         return self.goal.succeeded(score(flights, scenario.race.judge))
 
-    def _fly(self, scenario: Scenario, row: NDArray[np.float64], seeds: NDArray[np.int64], log: int = 0) -> Flights:
-        repeated, rows = np.repeat(self.parameters[None], len(seeds), axis=0), np.repeat(row[None], len(seeds), axis=0)
+    def _fly(
+        self, scenario: Scenario, row: NDArray[np.float64], seeds: NDArray[np.int64], log: int = 0, parameters: Parameters | None = None
+    ) -> Flights:
+        flown = self.parameters if parameters is None else parameters
+        repeated, rows = np.repeat(flown[None], len(seeds), axis=0), np.repeat(row[None], len(seeds), axis=0)
         return self.world.fly(scenario, repeated, seeds, vehicle_parameters=rows, log=range(log))
 
 
 def _case(scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition, *, true: bool = True) -> Case | None:
-    """What is known of flights that failed, from the logs that there are; None where there are none of any use."""
-    read = [signs_of(scenario, log, float(flights.end_time[i])) for i, log in flights.logs.items() if failed[i]]
+    """What is known of flights that failed, from the logs of those that did where most did; None where there are none of any use."""
+    if not failed.any():
+        return None
+    where = where_most_fail(scenario.race, flights, failed)
+    read = [signs_of(scenario, log, float(where.times[i])) for i, log in flights.logs.items() if where.flights[i]]
     signs = [one for one in read if one is not None]
     if not signs:
         return None
-    left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free)
-    return Case(scenario, Signs.median(signs), left, flights, failed, condition, true)
+    left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free, until=where.time)
+    return Case(scenario, where, Signs.median(signs), left, flights, failed, condition, true)

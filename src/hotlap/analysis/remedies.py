@@ -10,8 +10,9 @@ from hotlap.analysis.diagnosis import Diagnosis
 from hotlap.analysis.robustness import Robustness
 from hotlap.race.conditions import UNCHANGED
 
-SETTING = re.compile(r"\b([a-z_]+\.[a-z_]+) = (\[[^\]]*\]|[^\s,;]*[^\s,;:])")  # of a race, with its value
-SHARE = "planning.thrust_share"
+SETTING = re.compile(r"\b([a-z_]+\.[a-z_]+|takes at most)(?: =)? (\[[^\]]*\]|[^\s,;]*[^\s,;:])")  # of a race, or a plan, with its value
+SLOWER = ("planning.thrust_share", "takes at most")  # settings that make a plan slower: the least does for all
+SLOWER_PLANS = "slower plans"
 
 Failures = Sequence[tuple[str, Sequence[Diagnosis]]]
 
@@ -25,12 +26,19 @@ class _Told:
         condition: under which flights fail; "" where it is not about one.
         proof: what flights without the cause gave, in words; "" where there were none.
         studied: whether it was found out by other means than these flights.
+        helps: whether it did any good where it was flown.
     """
 
     words: str
     condition: str = ""
     proof: str = ""
     studied: bool = False
+    helps: bool = True
+
+    @property
+    def name(self) -> str:
+        """What it is, in words that do not recommend it."""
+        return SLOWER_PLANS if self.setting in SLOWER else self.words.removeprefix("set ")
 
     @property
     def setting(self) -> str:
@@ -81,17 +89,34 @@ def what_to_try(failures: Failures, further: Sequence[str] = ()) -> tuple[str, .
         further: what else was found out, as by tuning calmer plans; it comes first.
     """
     told = [_Told(words, studied=True) for words in further]
-    told += [_Told(one.advice, condition, one.proof) for condition, causes in failures for one in causes]
+    told += [_Told(one.advice, condition, one.proof, helps=one.helps) for condition, causes in failures for one in causes]
     groups = dict[str, list[_Told]]()
     for one in told:
-        groups.setdefault(one.setting, []).append(one)
-    return tuple(_line(group) for group in groups.values())
+        if one.helps:
+            groups.setdefault(one.setting, []).append(one)
+    return (*map(_line, groups.values()), *_vain([one for one in told if not one.helps]))
 
 
 def _line(group: Sequence[_Told]) -> str:
     """What is to be set, or done, and why."""
     first = group[0]
-    if first.setting == SHARE and not first.studied:  # the calmest plan does for all of them
+    if first.setting in SLOWER and not first.studied:  # the calmest plan does for all of them
         first = min(group, key=lambda one: float(one.value))
     reasons = dict.fromkeys(reason for one in group if not one.studied and (reason := one.reason(first.value)))
     return f"{first.words} ({'; '.join(reasons)})" if reasons else first.words
+
+
+def _vain(told: Sequence[_Told]) -> Iterator[str]:
+    """What does not help where it is the only change, in one line."""
+    groups = dict[str, list[_Told]]()
+    for one in told:
+        groups.setdefault(one.name, []).append(one)
+    named = [f"{name}{f' ({conditions})' if (conditions := _conditions(group)) else ''}" for name, group in groups.items()]
+    if named:
+        plural = len(named) > 1 or SLOWER_PLANS in groups
+        yield f"{', '.join(named)} alone {'do' if plural else 'does'} not help: {', '.join(dict.fromkeys(one.proof for one in told))}"
+
+
+def _conditions(group: Sequence[_Told]) -> str:
+    """For which it was tried."""
+    return ", ".join(dict.fromkeys(one.condition for one in group if one.condition))

@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 
 FACTORS = (0.25, 0.5, 0.5**0.5, 1.0, 2**0.5, 2.0, 4.0)
 FLIGHTS = 4  # at each point
+LITTLE, NONE = 0.02, 0.005  # of the gates: within the noise of so few flights, and none at all
 BY_SEGMENT, FEWEST = 150, 1  # flights over all segments together, and at least at each point
 
 
@@ -42,6 +43,21 @@ class Sensitivity:
     by_segment: Floats
     cost: Floats
     cost_by_segment: Floats
+
+    @property
+    def flat(self) -> bool:
+        """Whether completion is the same whatever is changed, so that it tells nothing."""
+        return float(np.ptp(self.completion)) < LITTLE
+
+    @property
+    def cost_tells(self) -> bool:
+        """Whether the cost is shown over the factors, in place of completion that tells nothing."""
+        return self.flat and bool(np.isfinite(self.cost).any())
+
+    @property
+    def cost_tells_by_segment(self) -> bool:
+        """The same of changes in one segment alone."""
+        return self.flat and float(np.abs(self.by_segment).max(initial=0.0)) < NONE and bool(np.isfinite(self.cost_by_segment).any())
 
 
 def survey_sensitivity(

@@ -29,7 +29,7 @@ from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
 from hotlap.study.configuration import Configuration
-from hotlap.study.database import FILE
+from hotlap.study.database import FILE, is_begun
 from hotlap.study.study import Study
 from hotlap.study.tried_plan import TriedPlan, chosen_of
 from hotlap.tuning.candidate import Candidate
@@ -48,7 +48,7 @@ MORE = 1.05  # times what the search of the chosen plan has had, at least, for i
 FEWEST = 20  # flights of a plan beside its re-flights
 PATIENCE, HALF = 24, 0.5  # flights after which a plan is given up where no candidate has passed this share of the gates
 UNSEEN = 300_000  # first of the flights that tell whether parameters hold: nothing was chosen by their noise
-CHOOSES = "a calmer plan: where a race leaves planning.thrust_share out, hotlap tune chooses the boldest that its controller holds"
+CHOOSES = "a calmer plan: where a race leaves planning.thrust_share out, a tuning chooses the boldest that its controller holds"
 TOLD, TOLD_IN_SIMULATORS = 50, 10  # flights that tell how a plan fails
 
 Configure = Callable[[Race, TuningSettings], Configuration]
@@ -205,7 +205,7 @@ class PlanChoice:
     def _minutes_of(self, share: float) -> float:
         """Minutes of the study of a plan that was begun before; 0 where there is none."""
         place = self.folder / PLANS / _name(share)
-        if not (place / FILE).exists():
+        if not is_begun(place):
             return 0.0
         with Study.read(place) as study:
             return study.configuration.settings.minutes

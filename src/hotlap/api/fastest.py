@@ -28,7 +28,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
-from hotlap.study.database import FILE as STUDY
+from hotlap.study.database import is_begun
 from hotlap.study.study import new_folder
 from hotlap.system.engine import opened
 from hotlap.tuning.goal_forms import LAP_TIME
@@ -131,7 +131,7 @@ def carry_out(asked: Asked, call: Callable[..., Any]) -> FastestResult | FrontRe
     folder = as_path(asked.out) or new_folder(race.name)
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of a study")
-    if (folder / STUDY).exists() or ((folder / RACE_FILE).exists() and load_race(folder / RACE_FILE).name != _name(race)):
+    if is_begun(folder) or ((folder / RACE_FILE).exists() and load_race(folder / RACE_FILE).name != _name(race)):
         raise StudyError(str(folder), "", "holds another study; give another folder for this one")
     world = worlds.build(asked.on)
     conditions = read_hold(asked.hold, race, world)

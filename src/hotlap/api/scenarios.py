@@ -22,7 +22,8 @@ from hotlap.race.controller_kind import ControllerKind
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation_rule import SegmentationRule
-from hotlap.study.database import FILE
+from hotlap.study.database import is_begun
+from hotlap.system.regular_files import is_there
 from hotlap.worlds.stepped import Stepped
 from hotlap.worlds.world import World
 
@@ -55,7 +56,7 @@ def make_scenario(race: Race, asked: Asked, *, cache: bool = True) -> Scenario:
         asked.progress.note(f"note: {note}")
     if race.planning.free and reference is None:
         share = f"{100 * race.thrust_share:.0f} % of the thrust (planning.thrust_share)"
-        asked.progress.note(f"note: {race.name} fixes no plan: planned with {share}; hotlap tune chooses the boldest that holds")
+        asked.progress.note(f"note: {race.name} fixes no plan: planned with {share}; hotlap.tune() chooses the boldest that holds")
     return scenario
 
 
@@ -70,7 +71,7 @@ def planned_as(race: Race, parameters: Any) -> Race:
         InputError: they cannot be read.
     """
     given = isinstance(parameters, str | Path) and str(parameters) not in NAMES and Path(parameters).suffix != TRAINING
-    if not given or not race.planning.free or not Path(parameters).exists():
+    if not given or not race.planning.free or not is_there(Path(parameters)):
         return race
     saved = load_parameters(parameters)
     share = saved.provenance.get(CHOSEN_SHARE)
@@ -136,7 +137,7 @@ def check_guess(text: str) -> None:
     if text in NAMES:
         return
     path = Path(text)
-    if not path.suffix and not path.exists():
+    if not path.suffix and not is_there(path):
         raise UnknownNameError("first guess", text, NAMES, key="first_guess")
     if path.suffix == TRAINING:
         load_training_set(path)
@@ -164,6 +165,6 @@ def read_guess(text: str, scenario: Scenario, progress: Progress) -> Parameters:
 
 def _refuse_unfinished(path: Path) -> None:
     """A folder whose study has not ended holds no parameters yet."""
-    if path.is_dir() and (path / FILE).exists() and not (path / PARAMETERS_FILE).exists():
+    if path.is_dir() and is_begun(path) and not (path / PARAMETERS_FILE).exists():
         reason = f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap.tune(RACE, out={str(path)!r}) goes on with it"
         raise InputError(str(path), "", reason)

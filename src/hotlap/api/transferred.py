@@ -24,6 +24,7 @@ from hotlap.first_guess.guess import first_guess
 from hotlap.reference.scenario import Scenario
 from hotlap.study.snapshot import ELSEWHERE, Snapshot, read_snapshot
 from hotlap.study.study import Study
+from hotlap.study.versions import describe_changes
 from hotlap.system.engine import Engine
 from hotlap.system.text_files import replace
 from hotlap.worlds.world import World
@@ -116,6 +117,9 @@ def _carry_out(asked: Asked, engine: Engine | None) -> TransferResult:
         raise StudyError(str(folder), "", "is a file, not a folder for flights")
     with _about_to():
         opened = journey.open(folder)
+    told = describe_changes(dict(snapshot.openings[-1][1]) if snapshot.openings else {}, [world.name for world in everywhere])
+    if told:
+        asked.progress.note(f"note: {told}")
     with asked.remarked("go on"), _about_to():
         for world in opened:
             make_ready(world, journey.flown, asked.progress)

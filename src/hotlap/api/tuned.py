@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -42,7 +42,8 @@ from hotlap.first_guess.names import LEARNED
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.study.configuration import Configuration
-from hotlap.study.database import FILE
+from hotlap.study.database import is_begun
+from hotlap.study.kept_guess import KeptGuess, find_kept_guess
 from hotlap.study.result import Result
 from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study, new_folder
@@ -88,6 +89,7 @@ class TuningResult(Outcome):
         wall_time: [s] that one waited for it, planning, compiling and the report included.
         further: where the goal was not confirmed, what of a reference no weights can make up for, and whether a calmer plan holds.
         plans: that were tried before one was chosen; empty where the race fixes it.
+        kept_guess: what the search began with, where that is its result; None where it has changed something.
     """
 
     scenario: Scenario
@@ -102,6 +104,7 @@ class TuningResult(Outcome):
     wall_time: float
     further: tuple[str, ...] = ()
     plans: tuple[TriedPlan, ...] = ()
+    kept_guess: KeptGuess | None = None
 
     @property
     def confirmed(self) -> bool:
@@ -145,7 +148,7 @@ class TuningResult(Outcome):
         if result.goal == Quantity.NONE:
             return f"budget of {count(result.flights, 'flight')} spent, no goal was set"
         if self.confirmed:
-            return f"{result.goal} confirmed"
+            return f"{result.goal} confirmed{'' if self.kept_guess is None else f'; {self.kept_guess.words}'}"
         kept = "the most reliable of what was found" if result.selection_flights else "the best so far"
         return f"{result.goal} NOT confirmed in {count(result.flights, 'flight')}; {kept} is kept"
 
@@ -175,6 +178,7 @@ class TuningResult(Outcome):
         robustness = [dump_robustness(one) for one in self.robustness]
         about = {"world": self.world, "first_guess": self.first_guess, "robustness": robustness, "holds": self.holds}
         about["causes"] = [cause.dump() for cause in self.causes]
+        about["kept_guess"] = None if self.kept_guess is None else self.kept_guess.dump()
         said = {"notes": list(self.scenario.notes), "advice": list(self.advice), "plans": [plan.dump() for plan in self.plans]}
         return {**self.result.dump(), "wall_time": self.wall_time, **about, **said, **paths}
 
@@ -218,7 +222,7 @@ def _carry_out(asked: Asked, engine: Engine | None, *, at_home: bool) -> TuningR
         folder = folder or new_folder(job.race.name)
         with asked.remarked("go on", out=folder):
             job = _begun_at_home(job, folder)
-    if folder is not None and (folder / FILE).exists():
+    if folder is not None and is_begun(folder):
         configuration, plans = _go_on(job, folder)
     elif leaves_open(job.race, job.settings, job.asked):
         folder, chosen = folder or new_folder(job.race.name), True
@@ -239,11 +243,12 @@ def _carry_out(asked: Asked, engine: Engine | None, *, at_home: bool) -> TuningR
         save_parameters(file, _saved(study, result))
         hints = () if at_home else _hints(job, result, configuration, folder, fixed=not (chosen or plans))
         study.keep_advice(hints)
-        robustness, report = ((), None) if at_home else _report(study, job.world, asked)
+        robustness, report, errors = ((), None, {}) if at_home else _report(study, job.world, asked)
         guess = begun_with(study.configuration, study.flights())
+        kept = find_kept_guess(study.configuration, result, errors)
     waited, again = before + time.perf_counter() - begun, _again(asked, folder)
     return TuningResult(
-        configuration.scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans
+        configuration.scenario, result, job.world.name, guess, folder, file, report, robustness, again, waited, hints, plans, kept
     )
 
 
@@ -366,7 +371,7 @@ def _settings(asked: Asked, world: World) -> TuningSettings:
     if fewer:
         settings = replace(settings, **fewer)
         words = {"validation": "validated", "selection": "chosen where none is confirmed"}
-        told = ", ".join(f"{words[name]} by {few} flights (--{name})" for name, few in fewer.items())
+        told = ", ".join(f"{words[name]} by {few} flights ({name}=...)" for name, few in fewer.items())
         asked.progress.note(f"note: flights of {world.name} take their time, so the result is {told}")
     if not settings.minutes:
         return settings
@@ -432,8 +437,8 @@ def _saved(study: Study, result: Result) -> SavedParameters:
     return SavedParameters(scenario.race.name, scenario.space.names, scenario.segments, result.best.parameters, known)
 
 
-def _report(study: Study, world: World, asked: Asked) -> tuple[tuple[Robustness, ...], Path | None]:
-    """How the best parameters fare under other conditions, and the page; what is tuned is saved already.
+def _report(study: Study, world: World, asked: Asked) -> tuple[tuple[Robustness, ...], Path | None, Mapping[str, float]]:
+    """How the best parameters fare under other conditions, the page, and mean errors [m] by what was flown; what is tuned is saved already.
 
     Without a validation only conditions that were asked for are flown; none where the world flies the vehicle that it has.
     """
@@ -441,15 +446,16 @@ def _report(study: Study, world: World, asked: Asked) -> tuple[tuple[Robustness,
     from hotlap.report.page.writing import write_replay  # noqa: PLC0415
 
     robustness: tuple[Robustness, ...] = ()
+    errors: Mapping[str, float] = {}
     snapshot, validated = read_snapshot(study), study.configuration.settings.validation > 0
     try:
         with asked.progress.working("writing the report"):
             replay = replay_finished(study.configuration, world, snapshot.best, robustness=validated, hold=snapshot.hold)
-            robustness = replay.robustness
-            return robustness, write_replay(snapshot, replay)
+            robustness, errors = replay.robustness, replay.errors
+            return robustness, write_replay(snapshot, replay), errors
     except (HotlapError, OSError) as error:
         asked.progress.note(f"note: no report: {error}")
-        return robustness, None
+        return robustness, None, errors
 
 
 def _again(asked: Asked, folder: Path) -> str:

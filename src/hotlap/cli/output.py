@@ -14,6 +14,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
 from hotlap.cli.log import LOG
+from hotlap.cli.words import as_command
 from hotlap.core.finite import finite
 
 Line = str | Text
@@ -52,8 +53,9 @@ def present(*, as_json: bool, document: Mapping[str, Any], lines: Iterable[Line]
 
 def note(text: str) -> None:
     """Say something beside the result."""
-    LOG.info("%s", text)
-    Plain(stderr=True).print(text, soft_wrap=True)
+    told = as_command(text)
+    LOG.info("%s", told)
+    Plain(stderr=True).print(told, soft_wrap=True)
 
 
 @contextmanager

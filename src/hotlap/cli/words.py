@@ -1,4 +1,4 @@
-"""Words: what a message says in Python, `hotlap.tune(RACE, out='runs/mine')`, as one would type it at a prompt."""
+"""Words: what a message says in Python, `hotlap.tune(RACE, out='runs/mine')` or `reference=...`, as one would type it at a prompt."""
 
 from __future__ import annotations
 
@@ -7,10 +7,16 @@ import re
 import shlex
 
 _CALL = re.compile(r"\bhotlap\.\w+\(")
+_ARGUMENT = re.compile(r"\b([a-z][a-z_]*)=\.\.\.")
 
 
 def as_command(text: str) -> str:
-    """A message with commands in place of calls of hotlap: `hotlap tune RACE --out runs/mine`."""
+    """A message with commands in place of calls of hotlap, `hotlap tune RACE --out runs/mine`, and options in place of arguments."""
+    return _ARGUMENT.sub(lambda found: _option(found[1]), _commands(text))
+
+
+def _commands(text: str) -> str:
+    """The same with calls alone."""
     match = _CALL.search(text)
     if match is None:
         return text
@@ -18,9 +24,14 @@ def as_command(text: str) -> str:
     while end >= 0:
         command = _command(text[match.start() : end + 1])
         if command:
-            return text[: match.start()] + command + as_command(text[end + 1 :])
+            return text[: match.start()] + command + _commands(text[end + 1 :])
         end = text.find(")", end + 1)
-    return text[: match.end()] + as_command(text[match.end() :])
+    return text[: match.end()] + _commands(text[match.end() :])
+
+
+def _option(name: str) -> str:
+    """An argument of a call as the option of a command."""
+    return f"--{name.replace('_', '-')}"
 
 
 def _command(call: str) -> str:
@@ -33,7 +44,7 @@ def _command(call: str) -> str:
         return ""
     words = ["hotlap", parsed.func.attr, *(word for value in parsed.args for word in _words(value))]
     for given in parsed.keywords:
-        words += [f"--{str(given.arg).replace('_', '-')}", ",".join(_words(given.value))]
+        words += [_option(str(given.arg)), ",".join(_words(given.value))]
     return " ".join(words)
 
 

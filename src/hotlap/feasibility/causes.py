@@ -13,10 +13,12 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
-from hotlap.feasibility.margins import Margin, explain, margin
+from hotlap.feasibility.margins import Margin, explain, help_with, margin
 from hotlap.feasibility.race import SAME_MASS, missing_mass
-from hotlap.feasibility.signs import Signs
+from hotlap.feasibility.signs import BEFORE, Signs
+from hotlap.feasibility.where import Where
 from hotlap.race.conditions import UNCHANGED, Condition
 from hotlap.race.controller_kind import ControllerKind
 from hotlap.race.race import GateRule, PlanDynamics, Race
@@ -35,12 +37,13 @@ WIDER = 1.5  # gates, to see whether room is
 CALMER = 0.85  # of the thrust that the plan takes
 DAMPED = (1.0, 10.0, 10.0)  # factors of `controller.input_weights`
 LEAD = 0.5  # of the lag
+SAME_SPEED = 0.99  # share of the top speed that is all of it
 
 Floats = NDArray[np.float64]
 
 
 class FailureCause(StrEnum):
-    """Why flights fail; the last three may be symptoms of the others."""
+    """Why flights fail; those of `SYMPTOMS` may be symptoms of the others. The weights are looked at where it is nothing else."""
 
     NO_MARGIN = "no thrust left"
     UNKNOWN_FORCE = "unknown force"
@@ -49,6 +52,7 @@ class FailureCause(StrEnum):
     SATURATED = "saturated from the start"
     LATE = "late at the gate"
     OPENING = "opening too small"
+    WEIGHTS = "weights"
 
 
 SYMPTOMS = (FailureCause.SATURATED, FailureCause.LATE, FailureCause.OPENING)
@@ -64,6 +68,7 @@ class Cure:
         vehicle_parameters: shape (P,) of the vehicle that flies.
         replanned: whether the race has to be planned anew.
         supposed: what is only supposed for a trial, in words: "with stronger rotors"; "" where the advice itself is tried.
+        parameters: shape (S, K), that fly in place of those that failed; None: the same ones.
     """
 
     advice: str
@@ -71,6 +76,7 @@ class Cure:
     vehicle_parameters: Floats
     replanned: bool = False
     supposed: str = ""
+    parameters: Parameters | None = None
 
 
 @dataclass(frozen=True)
@@ -96,8 +102,9 @@ class Case:
 
     Attributes:
         scenario: that was flown.
-        signs: in the logs of some that failed.
-        margin: of thrust.
+        where: most of those that failed did.
+        signs: in the logs of some that failed there.
+        margin: of thrust, until then.
         flights: all of them.
         failed: shape (B,) which of them failed.
         condition: under which they were flown.
@@ -105,6 +112,7 @@ class Case:
     """
 
     scenario: Scenario
+    where: Where
     signs: Signs
     margin: Margin
     flights: Flights
@@ -133,6 +141,17 @@ class Case:
         """Vehicle parameters of a scenario under a condition, shape (P,)."""
         return condition.vehicle_parameters(vehicle_parameters_of(scenario.race.vehicle))
 
+    @property
+    def top_speed(self) -> float:
+        """[m/s] of the reference, until most flights fail."""
+        return self.where.top_speed(self.scenario.reference)
+
+    @property
+    def at_top_speed(self) -> str:
+        """Where that is, in words."""
+        fastest = self.top_speed >= SAME_SPEED * self.scenario.reference.max_speed
+        return "at top speed" if fastest else f"at {self.top_speed:.1f} m/s"
+
     def vehicle(self, name: str) -> float:
         """One of them."""
         return float(self.vehicle_parameters[VEHICLE_PARAMETERS.index(name)])
@@ -157,12 +176,14 @@ def _no_margin(case: Case) -> Iterator[Suspicion]:
     scenario, found = case.scenario, case.margin
     if found.enough:
         return
-    stronger = max(STRONGER, SURELY / found.thrust)
+    lap = margin(scenario.race, scenario.reference, case.condition, offset_free=scenario.offset_free)
+    stronger = max(STRONGER, SURELY / lap.thrust)
     race, row = case.race, scale(case.vehicle_parameters, ("rotor_thrust_max",), stronger)
     low, high = race.controller.thrust
     race = _knowing(race, mass=case.vehicle("mass"))
     race = _controlled(race, thrust=(low, stronger * high))
-    words, _, advice = explain(scenario.race, scenario.reference, found, planned=case.planned).rpartition("; ")
+    words, *_ = explain(scenario.race, scenario.reference, found, planned=case.planned).rpartition("; ")
+    advice = help_with(scenario.race, scenario.reference, lap, planned=case.planned)  # what helps has to do so to the end
     cures = [Cure(advice, race, row, supposed="with enough of it")]
     if not case.scenario.offset_free and _estimated(case).thrust > 1:
         cures.insert(0, case.cure("set controller.offset_free = true", _controlled(case.race, offset_free=True)))
@@ -180,8 +201,8 @@ def _dead_time(case: Case) -> Iterator[Suspicion]:
     unknown = delay - (race.control_model.delay if race.controller.predict else 0.0)
     if unknown < (LATER if case.true else READ):
         return
-    far = unknown * case.scenario.reference.max_speed
-    found = f"{unknown * 1e3:.0f} ms that the controller does not know of, {far:.2f} m at top speed"
+    far = unknown * case.top_speed
+    found = f"{unknown * 1e3:.0f} ms that the controller does not know of, {far:.2f} m {case.at_top_speed}"
     if race.controller.predict:
         cure = case.cure(f"set model.delay = {delay:g}", _knowing(race, delay=delay))
     else:
@@ -200,7 +221,7 @@ def _unknown_force(case: Case) -> Iterator[Suspicion]:
         return
     height = f"{abs(case.signs.above):.2f} m too {'low' if case.signs.above < 0 else 'high'}"
     gives = f"a command gives {acted:.0%} of the thrust that the controller takes for granted"
-    blown = f"a wind pushes with {wind:g} m/s^2" if wind else f"drag takes {resisted:.1f} m/s^2 at top speed"
+    blown = f"a wind pushes with {wind:g} m/s^2" if wind else f"drag takes {resisted:.1f} m/s^2 {case.at_top_speed}"
     pushed = f"{blown}, of which the controller does not know" if known else gives
     cures = [case.cure("set controller.offset_free = true", _controlled(race, offset_free=True))]
     if not known:
@@ -212,7 +233,7 @@ def _unknown_force(case: Case) -> Iterator[Suspicion]:
 
 def _unknown_drag(case: Case) -> float:
     """Deceleration [m/s^2] by drags that the controller does not make up for, level and at the top speed of the reference."""
-    race, level, ahead = case.race, np.array([[1.0, 0.0, 0.0, 0.0]]), np.array([[case.scenario.reference.max_speed, 0.0, 0.0]])
+    race, level, ahead = case.race, np.array([[1.0, 0.0, 0.0, 0.0]]), np.array([[case.top_speed, 0.0, 0.0]])
     acts, believed = (drag(one, level, ahead, np.array([one.gravity])) for one in (race.vehicle, race.control_model))
     knows = race.controller.reference_drag or race.controller.kind is ControllerKind.MPC_DRAG
     return float(np.linalg.norm(acts - believed * knows))
@@ -258,7 +279,7 @@ def _late(case: Case) -> Iterator[Suspicion]:
         yield Suspicion(FailureCause.LATE, found, (lead,))
     if not signs.behind:
         return
-    speed = max(case.scenario.reference.mean_speed, 0.1)
+    speed = max(case.where.mean_speed(case.scenario.reference, BEFORE), 0.1)
     found = f"{-signs.along:.2f} m behind on the path at the end, {-signs.along / speed * 1e3:.0f} ms, and {signs.aside:.2f} m beside it"
     cures = []
     if not case.scenario.offset_free:
@@ -275,11 +296,9 @@ def _late(case: Case) -> Iterator[Suspicion]:
 def _opening(case: Case) -> Iterator[Suspicion]:
     """Gates that leave less room than flights spread."""
     race, flights = case.race, case.flights
-    gates = flights.gates_passed[case.failed]
-    gate = int(np.bincount(gates).argmax())
-    if gate >= len(flights.rooms):
+    gate, name = case.where.gate, case.where.name
+    if not name:
         return
-    name = [point.name for point in race.track.route if point.counts][gate]
     room, measured = float(flights.rooms[gate]), flights.clock_distance[:, gate]
     if race.judge.rule is GateRule.OPENING and np.isfinite(flights.rim_distance[:, gate]).any():
         measured = flights.rim_distance[:, gate] + room

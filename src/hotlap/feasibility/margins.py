@@ -148,7 +148,13 @@ class _Side:
 
 
 def margin(
-    race: Race, reference: Reference, condition: Condition = UNCHANGED, *, offset_free: bool = False, vectors: Floats | None = None
+    race: Race,
+    reference: Reference,
+    condition: Condition = UNCHANGED,
+    *,
+    offset_free: bool = False,
+    vectors: Floats | None = None,
+    until: float = math.inf,
 ) -> Margin:
     """What a vehicle can give over what a reference needs, under a condition.
 
@@ -160,17 +166,20 @@ def margin(
         condition: what is different from the race.
         offset_free: whether the controller estimates its thrust and what pushes it.
         vectors: `needed_vectors` of the race's vehicle and the reference; None: they are computed here.
+        until: [s] what the reference needs later does not count.
     """
     noise, vehicle = condition.noise(race.noise), _by_name(condition.vehicle_parameters(vehicle_parameters_of(race.vehicle)))
     wind, steps = noise.steady_wind + noise.wind, round(HELD / reference.period)
     vectors = needed_vectors(race.vehicle, reference) if vectors is None else vectors
-    left = running_mean(1 - _lost(vehicle, in_wind(vectors, wind), reference.period), steps)
+    planned, lost = planned_vectors(reference)[:-1], _lost(vehicle, in_wind(vectors, wind), reference.period)
+    rows = slice(int(min(max(until / reference.period + steps / 2, steps), reference.planned_rows)))
+    vectors, planned, left = vectors[rows], planned[rows], running_mean(1 - lost[rows], steps)
     effectiveness = left * race.control_model.mass / vehicle["mass"]
     rotors = race.vehicle.rotor_count * vehicle["rotor_thrust_max"] / race.control_model.mass
     most, turning = race.controller.thrust[1], FOR_TORQUE * rotors
     available = _available(most, rotors, effectiveness, offset_free=offset_free)
     reserved = np.minimum(most, effectiveness * turning) if offset_free else effectiveness * min(most, turning)
-    both = _Side.of(planned_vectors(reference)[:-1], wind, steps, available, reserved)
+    both = _Side.of(planned, wind, steps, available, reserved)
     alone = _Side.of(vectors, wind, steps, effectiveness * rotors, effectiveness * turning)
     side = min(both, alone, key=lambda one: one.thrust)
     time = (side.worst + 0.5 * (len(vectors) + 1 - len(left))) * reference.period
@@ -180,7 +189,7 @@ def margin(
         needed=float(side.needed[side.worst]),
         time=time,
         place=place_of(race, reference, time),
-        rates=_rates(race, reference),
+        rates=_rates(race, reference, rows),
         passing=bool(wind > 0 or left[-1] < left[0] or both.thrust >= 1),
         reserve=min(both.reserve, alone.reserve),
         shrink=min(both.shrink, alone.shrink),
@@ -250,6 +259,8 @@ def help_with(race: Race, reference: Reference, found: Margin, *, planned: bool 
     if planned and race.planning.quadrotor is None:
         return "no plan would: the vehicle is too weak"
     most = found.shrink * running_mean(reference.thrust[: reference.planned_rows], round(HELD / reference.period)).max()
+    if most < HOVERING * race.control_model.gravity:
+        return "stronger rotors would, no slower plan does"
     return f"{'a plan' if planned else 'a reference'} that takes at most {most:.1f} m/s^2 would"
 
 
@@ -315,7 +326,7 @@ def _by_name(vehicle_parameters: Floats) -> Mapping[str, float]:
     return dict(zip(VEHICLE_PARAMETERS, vehicle_parameters.tolist(), strict=True))
 
 
-def _rates(race: Race, reference: Reference) -> float:
-    """Rates that the controller may command over those of the reference, of the axis with the least left [-]."""
-    largest = np.abs(reference.rates[: reference.planned_rows]).max(axis=0)
+def _rates(race: Race, reference: Reference, rows: slice) -> float:
+    """Rates that the controller may command over those of planned rows, of the axis with the least left [-]."""
+    largest = np.abs(reference.rates[: reference.planned_rows][rows]).max(axis=0)
     return float((np.array(race.controller.rates) / np.maximum(largest, 1e-9)).min())

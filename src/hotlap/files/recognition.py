@@ -44,7 +44,7 @@ def refuse_parameters(table: dict[str, Any], label: str) -> None:
         InputError: saying what takes it.
     """
     if set(table) >= PARAMETERS:
-        raise InputError(label, "", "holds tuned parameters: give the race that they are for, and this file with --parameters")
+        raise InputError(label, "", "holds tuned parameters: give the race that they are for, and this file with parameters=...")
 
 
 def refuse_description(table: dict[str, Any], label: str) -> None:

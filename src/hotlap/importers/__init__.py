@@ -95,7 +95,7 @@ def _defaults(table: Mapping[str, Any]) -> list[str]:
 def _format_of(source: Content | Markup) -> Format:
     """What a file is."""
     if isinstance(source, Content) and any(keys <= set(source.table()) for keys in OURS):
-        raise InputError(source.file, "", f"is a file of hotlap itself: hotlap check {source.file}")
+        raise InputError(source.file, "", f"is a file of hotlap itself: hotlap.check({source.file!r})")
     for format_ in FORMATS:
         if format_.xml == isinstance(source, Markup) and format_.matches(source):
             return format_

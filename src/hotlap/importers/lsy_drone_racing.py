@@ -93,12 +93,12 @@ def _tell(found: Findings, content: Content) -> None:
     for key in ("disturbances", "randomizations"):
         if key in content["env"]:
             drawn = ", ".join(content["env"][key].table())
-            found.lost.append(f"env.{key}: {drawn}: random there; here see [noise] of a race and hotlap tune --randomise")
+            found.lost.append(f"env.{key}: {drawn}: random there; here see [noise] of a race, and what a tuning can randomise")
     if "sensor_range" in content["env"]:
         found.lost.append("env.sensor_range: the controller knows every gate here")
     if "sim" in content and "drone_model" in content["sim"]:
         model = content["sim"]["drone_model"].text()
-        found.lost.append(f"sim.drone_model: the vehicle is {model}; import it from params.toml of drone-models with --name {model}")
+        found.lost.append(f"sim.drone_model: the vehicle is {model}; import it from params.toml of drone-models, as {model}")
 
 
 FORMATS = (Format("a level of lsy_drone_racing (TOML)", Kind.TRACK, _is_level_file, _read),)

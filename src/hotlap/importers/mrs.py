@@ -57,7 +57,7 @@ def chosen(vehicles: dict[str, Content], name: str | None, content: Content) -> 
     if len(vehicles) == 1:
         return next(iter(vehicles.values()))
     if name is None:
-        raise content.fault(f"describes {len(vehicles)} vehicles; choose one with --name: {', '.join(vehicles)}")
+        raise content.fault(f"describes {len(vehicles)} vehicles; choose one with name=...: {', '.join(vehicles)}")
     raise UnknownNameError("vehicle", name, vehicles, content.file)
 
 

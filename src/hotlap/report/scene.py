@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,6 +84,7 @@ class Repeats:
         failures: shape (F, 3) [m] (world) where the others ended; those without a known end are left out.
         failed_gates: shape (F,) index of the gate that each of them did not pass.
         ends: F of them, how each of them ended, in words.
+        mean_error: [m] mean tracking error of those that passed all gates; NaN where none did.
     """
 
     label: str
@@ -91,6 +93,7 @@ class Repeats:
     failures: Floats
     failed_gates: NDArray[np.int64]
     ends: tuple[str, ...]
+    mean_error: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -200,4 +203,5 @@ def repeat(race: Race, flights: Flights, rows: slice, label: str) -> Repeats:
     failed = passed < len(flights.gate_positions)
     known = failed & np.isfinite(places).all(axis=1)
     words = tuple(_ending(race, flights, index) for index in np.arange(len(flights))[rows][known].tolist())
-    return Repeats(label, len(failed), int((~failed).sum()), places[known], passed[known], words)
+    error = float(flights.mean_error[rows][~failed].mean()) if not failed.all() else math.nan
+    return Repeats(label, len(failed), int((~failed).sum()), places[known], passed[known], words, error)

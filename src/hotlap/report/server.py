@@ -16,9 +16,12 @@ from typing import Any, Protocol
 from urllib.parse import parse_qs, unquote, urlsplit
 
 from hotlap.core.errors import HotlapError, InputError
+from hotlap.report.connections import Connections
 
 LOCAL = ("localhost", "127.0.0.1", "[::1]")
-PATIENCE = 20.0  # s until a browser must have sent its request
+PATIENCE = 20.0  # s between two signs of life of a browser
+LONGEST = 60.0  # s until it must have its answer, however slow it is
+MOST = 512  # browsers at once
 HTML, JSON, PLAIN = "text/html; charset=utf-8", "application/json; charset=utf-8", "text/plain; charset=utf-8"
 _SCRIPT = re.compile(r"<script(?![^>]*application/json)[^>]*>(.*?)</script>", re.DOTALL)
 _BELOW = re.compile(r"/study/(.+?)(/|/data\.json)")
@@ -56,9 +59,11 @@ class Server(ThreadingHTTPServer):
     """
 
     daemon_threads = True
+    request_queue_size = MOST
 
     def __init__(self, source: Source, host: str, port: int, below: Callable[[str], Source | None] = lambda _: None) -> None:
         self.source, self._host, self._below = source, host, below
+        self._connections = Connections(MOST, LONGEST)
         self.address_family, place = _find(host, port)
         try:
             super().__init__(place, Answer)
@@ -81,7 +86,7 @@ class Server(ThreadingHTTPServer):
 
         A server that listens on all addresses accepts every numeric address: no name of another site can lead to a number.
         """
-        host, colon, port = name.lower().rpartition(":") if re.search(r":\d+$", name) else (name.lower(), "", "")
+        host, colon, port = name.lower().rpartition(":") if re.search(r":\d+$", name, re.ASCII) else (name.lower(), "", "")
         if (port if colon else "80") != str(self.server_port):  # of the web, browsers leave it out
             return False
         everywhere = ipaddress.ip_address(str(self.server_address[0])).is_unspecified
@@ -94,6 +99,20 @@ class Server(ThreadingHTTPServer):
             return self.source, path
         found = self._below(unquote(inner[1]))
         return None if found is None else (found, inner[2])
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer in a thread; the oldest connection makes way where there are too many."""
+        self._connections.add(request)
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        """Close a connection."""
+        self._connections.remove(request)
+        super().shutdown_request(request)
+
+    def service_actions(self) -> None:
+        """Cut off who is too slow; called twice a second."""
+        self._connections.expire()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Report errors of our own; a browser that closes the connection early is no error."""
@@ -124,13 +143,14 @@ class Answer(BaseHTTPRequestHandler):
         """Log nothing."""
 
     def _answer(self) -> None:
-        if not self.server.knows(self.headers.get("Host", "")):
-            self._send(HTTPStatus.FORBIDDEN, PLAIN, "this is not the host that you asked for\n")
-            return
         try:
             asked = urlsplit(self.path)
         except ValueError:  # brackets that do not match
             asked = urlsplit("")
+        hosts = [*self.headers.get_all("Host", []), *([asked.netloc] if asked.netloc else [])]  # a whole address names its host, too
+        if len(self.headers.get_all("Host", [])) != 1 or not all(map(self.server.knows, hosts)):
+            self._send(HTTPStatus.FORBIDDEN, PLAIN, "this is not the host that you asked for\n")
+            return
         try:
             source, path = self.server.find(asked.path) or (self.server.source, "")
             if path == "/":
@@ -189,8 +209,8 @@ def _bracketed(host: str) -> str:
 
 
 def _is_number(host: str) -> bool:
-    """Whether a host in a URL is a numeric address."""
+    """Whether a host in a URL is a numeric address; one with a zone is none, since its zone may be any text."""
     try:
-        return host == _bracketed(str(ipaddress.ip_address(host.removeprefix("[").removesuffix("]"))))
+        return "%" not in host and host == _bracketed(str(ipaddress.ip_address(host.removeprefix("[").removesuffix("]"))))
     except ValueError:
         return False

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hotlap.analysis.transfer import DEFAULT, TUNED, TransferRow, metres
 from hotlap.report.pictures import save
 from hotlap.report.style import AGAIN, BEST, FAILURE, FIRST, INK, NORMAL, QUIET, SMALL, headline, headline_width, place_axes, styled
+from hotlap.report.transfer_article import STARTING, later_error
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +47,8 @@ def draw_transfer(folder: Path, race: str, rows: Sequence[TransferRow], prefix: 
 def error_boxes(race: str, rows: Sequence[TransferRow]) -> Figure:
     """Tracking error of all control steps of all flights: a box for each set of parameters in each world."""
     names, labels = _worlds(rows), _labels(rows)
-    title, detail = f"{race}: tracking error", "all control steps; box: quartiles and median, whiskers: 5 and 95 %, triangle: largest"
+    title = f"{race}: tracking error"
+    detail = f"all control steps; box: quartiles and median, whiskers: 5 and 95 %, triangle: largest after {STARTING:g} s"
     width = max(len(names) * (PAIR + FURTHER * max(len(labels) - 2, 0)), headline_width(title, detail, _key(labels)))
     figure = Figure(figsize=(LEFT + width + RIGHT, TOP + BOX_HEIGHT + BOTTOM))
     axes = place_axes(figure, LEFT, BOTTOM, width, BOX_HEIGHT)
@@ -88,7 +90,7 @@ def _draw_box(axes: Axes, row: TransferRow, place: float, width: float, top: flo
     at, shift, side = (place + width / 2, 3, "left") if right else (place - width / 2, -3, "right")
     told, height = (metres(middle), middle) if middle <= top else (f"median\n{metres(middle)}", 0.92 * top)
     axes.annotate(told, (at, height), (shift, 0), textcoords="offset points", fontsize=SMALL, color=INK, va="center", ha=side)
-    largest = float(errors.max())
+    largest = max(later_error(flight) for flight in row.flights if len(flight.errors))
     axes.plot(place, min(largest, 0.98 * top), marker="^", markersize=4, color=colour, clip_on=False)
     if largest > top:
         axes.annotate(metres(largest), (place, top), (0, 4), textcoords="offset points", fontsize=SMALL, color=QUIET, ha="center")

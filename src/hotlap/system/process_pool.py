@@ -8,6 +8,7 @@ from __future__ import annotations
 import multiprocessing
 import pickle
 import signal
+import warnings
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
@@ -17,6 +18,7 @@ from typing import Any, TypeVar
 
 from hotlap.core.errors import HotlapError
 from hotlap.system.blas_threads import one_thread_each
+from hotlap.system.environment import variables
 from hotlap.system.processors import available
 
 Piece = TypeVar("Piece")
@@ -24,6 +26,7 @@ Item = TypeVar("Item")
 
 DIED = "a worker process has died, perhaps for want of memory"
 MOST_LOSSES = 3  # of workers that one piece may cost
+NOTHING_OF_THE_FOLDER = {"PYTHONSAFEPATH": "1"}  # a worker begins with Python's own path, and then has that of its parent
 _ITEM, _END, _ERROR = range(3)
 
 
@@ -82,7 +85,7 @@ class _Worker:
         self.process = context.Process(target=_serve_pipe, args=(work, theirs), daemon=True)
         self.index: int | None = None
         self.seen = 0
-        with one_thread_each():
+        with one_thread_each(), variables(NOTHING_OF_THE_FOLDER):
             self.process.start()
         theirs.close()
 
@@ -166,6 +169,7 @@ class _Crew:
 def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
     """The loop of a worker process: it ends when its parent closes the pipe; Ctrl-C is left to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    warnings.formatwarning = _in_one_line
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
             index, piece = pipe.recv()
@@ -177,6 +181,11 @@ def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
             except Exception as error:  # noqa: BLE001  whatever it was, the parent raises it
                 pipe.send((_ERROR, index, portable(error)))
             pipe.send((_END, index, None))
+
+
+def _in_one_line(message: Warning | str, *_: object, **__: object) -> str:
+    """A warning as the command line shows it, without the place in the code that it came from."""
+    return f"hotlap: warning: {message}\n"
 
 
 def portable(error: Exception) -> Exception:

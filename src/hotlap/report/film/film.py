@@ -14,6 +14,7 @@ from hotlap.report.film.frames import Titles, draw_frames
 from hotlap.report.film.recording import RATES, Pixels, record
 from hotlap.report.page.replay import BEST, DEFAULT, FIRST, choose
 from hotlap.report.scene import stage
+from hotlap.study.kept_guess import find_kept_guess
 from hotlap.study.snapshot import Snapshot, begins_at_default
 from hotlap.worlds.world import World
 
@@ -82,4 +83,7 @@ def _label(label: str, snapshot: Snapshot) -> str:
         label = DEFAULT
     if label != BEST or result is None:
         return NAMES.get(label, label)
+    kept = find_kept_guess(snapshot.configuration, result)
+    if kept is not None:
+        return f"after: the {kept.guess}, kept"
     return f"after: tuned in {count(result.search_flights, 'flight')}" if result.best.confirmed else "after: the best so far"

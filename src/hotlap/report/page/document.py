@@ -17,13 +17,15 @@ from hotlap.files.parameters_file import SavedParameters
 from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
-from hotlap.report.history import collect, succeeded
+from hotlap.report.history import CHAINS, collect, succeeded, verdicts, with_parameters
 from hotlap.report.page.packing import number, numbers, pack, thin
 from hotlap.report.page.replay import BEST, DEFAULT, FIRST, Replay
 from hotlap.report.page.standing import dump_structures
 from hotlap.report.response import respond
 from hotlap.report.scene import Repeats, Trace
+from hotlap.study.kept_guess import find_kept_guess
 from hotlap.study.snapshot import Snapshot
+from hotlap.tuning.goal import Quantity
 
 FORMAT = 1
 MOST_SAMPLES, MOST_VALUES = 2000, 150_000  # search flights whose parameters are sent, and numbers in them
@@ -36,6 +38,7 @@ SYMBOLS = {  # letters of the paper, where it has them
     "horizon": "T",
 }
 RULES = {GateRule.CLOCK: "clock", GateRule.OPENING: "opening"}
+TELLS = ("flat", "cost_tells", "cost_tells_by_segment")  # what of a sensitivity is shown
 STREAMS = {Stream.SEARCH: 0, Stream.CONFIRMATION: 1, Stream.VALIDATION: 2, Stream.SELECTION: 2}  # the page shows no flight of 2
 
 
@@ -52,7 +55,7 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
         "format": FORMAT,
         "kind": "study",
         "live": live,
-        "headline": _headline(snapshot),
+        "headline": _headline(snapshot, replay),
         "scenario": dump_scenario(snapshot.configuration.scenario),
         "traces": traces,
         "repeats": [] if replay is None else [dump_repeats(repeats) for repeats in replay.scene.repeats],
@@ -66,11 +69,12 @@ def dump_study(snapshot: Snapshot, replay: Replay | None, *, live: bool = False)
     }
 
 
-def _headline(snapshot: Snapshot) -> dict[str, Any]:
+def _headline(snapshot: Snapshot, replay: Replay | None) -> dict[str, Any]:
     """The result in short: race, goal, lap time, gates passed, success rate."""
     asked, result = snapshot.configuration, snapshot.result
     race, settings = asked.scenario.race, asked.settings
     known = race.control_model.delay if race.controller.predict else 0.0
+    guess = find_kept_guess(asked, result, None if replay is None else replay.errors)
     return {
         "race": race.name,
         "vehicle": race.vehicle.name,
@@ -91,6 +95,7 @@ def _headline(snapshot: Snapshot) -> dict[str, Any]:
         "confirmed": result is not None and result.best.confirmed,
         "confirm": settings.confirm,
         "kept": _kept(snapshot),
+        "kept_guess": None if guess is None else guess.words,
         "validation": None if result is None or result.validation is None else _validation(result.validation),
         "wall_time": None if result is None else number(result.wall_time),
         "remark": snapshot.remark,
@@ -134,9 +139,17 @@ def _flights(snapshot: Snapshot) -> dict[str, Any]:
         "stream": [STREAMS[Stream(stream)] for stream in ledger.streams.tolist()],
         "accepted": ledger.accepted.astype(int).tolist(),
         "succeeded": succeeded(ledger, settings.goal).astype(int).tolist(),
+        "tuned": with_parameters(ledger, snapshot.best).astype(int).tolist(),
+        "chain": _is_chain(snapshot),
+        "verdicts": list(verdicts(goal=settings.goal.quantity is not Quantity.NONE)),
         "failed_segment": ledger.failed_segment.tolist(),
         "cost_name": snapshot.configuration.cost_name,
     }
+
+
+def _is_chain(snapshot: Snapshot) -> bool:
+    """Whether what the tuner accepts says where it goes on from."""
+    return snapshot.configuration.tuner.partition(":")[0] in CHAINS
 
 
 def _parameters(snapshot: Snapshot) -> dict[str, Any]:
@@ -164,6 +177,8 @@ def _samples(snapshot: Snapshot) -> dict[str, Any]:
         "accepted": samples.accepted.astype(int).tolist(),
         "completion": pack(samples.completion),
         "succeeded": samples.succeeded.astype(int).tolist(),
+        "chain": _is_chain(snapshot),
+        "verdicts": list(verdicts(goal=samples.goal)),
         "of": int((snapshot.ledger.streams == int(Stream.SEARCH)).sum()),
     }
 
@@ -174,7 +189,13 @@ def _sensitivity(replay: Replay | None, cost_name: str) -> dict[str, Any] | None
         return None
     found = replay.sensitivity
     arrays = {name: pack(getattr(found, name)) for name in ("completion", "complete", "by_segment", "cost", "cost_by_segment")}
-    return {"factors": found.factors.tolist(), "flights": found.flights, "cost_name": cost_name, **arrays}
+    return {
+        "factors": found.factors.tolist(),
+        "flights": found.flights,
+        "cost_name": cost_name,
+        **arrays,
+        **{name: getattr(found, name) for name in TELLS},
+    }
 
 
 def _configuration(snapshot: Snapshot) -> dict[str, Any]:

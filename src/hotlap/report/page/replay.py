@@ -121,6 +121,11 @@ class Replay:
     sensitivity: Sensitivity | None
     robustness: tuple[Robustness, ...]
 
+    @property
+    def errors(self) -> dict[str, float]:
+        """[m] mean tracking error of the flights that passed every gate, by the label of their parameters; NaN where none did."""
+        return {repeats.label: repeats.mean_error for repeats in self.scene.repeats}
+
 
 def replay_finished(
     configuration: Configuration, world: World, best: Parameters, *, robustness: bool | None = None, hold: str = ""

@@ -14,6 +14,7 @@ from hotlap.report.markup import element, facts, paragraph, table, text
 from hotlap.report.page.replay import BEST, Replay
 from hotlap.report.page.static_map import draw_track_map
 from hotlap.report.scene import Scene, stage
+from hotlap.study.kept_guess import KeptGuess, find_kept_guess
 from hotlap.study.result import Result
 from hotlap.study.snapshot import Snapshot
 from hotlap.tuning.goal import Quantity
@@ -32,6 +33,7 @@ def render_static(snapshot: Snapshot, replay: Replay | None) -> str:
     parts = [
         element("h1", text(title_of(snapshot))),
         paragraph(summary_of(snapshot)),
+        *(paragraph(f"{guess.words[0].upper()}{guess.words[1:]}.") for guess in [_guess(snapshot, replay)] if guess is not None),
         *(_failure(snapshot, replay) if replay is not None and _failed(snapshot) else ()),
         _figure(scene),
         element("h2", "Facts"),
@@ -41,6 +43,11 @@ def render_static(snapshot: Snapshot, replay: Replay | None) -> str:
         element("pre", element("code", text(snapshot.command))),
     ]
     return "\n".join(parts)
+
+
+def _guess(snapshot: Snapshot, replay: Replay | None) -> KeptGuess | None:
+    """The guess that was kept."""
+    return find_kept_guess(snapshot.configuration, snapshot.result, None if replay is None else replay.errors)
 
 
 def title_of(snapshot: Snapshot) -> str:
@@ -113,7 +120,7 @@ def _facts(snapshot: Snapshot) -> dict[str, object]:
         "goal": str(settings.goal),
         "seed": settings.seed,
         "flights": "" if result is None else f"{result.flights} of at most {settings.budget}, re-flights included",
-        "wall time": "" if result is None else f"{result.wall_time:.1f} s",
+        "search time": "" if result is None else f"{result.wall_time:.1f} s",
         "remark": snapshot.remark,
         "world": asked.world,
         "fingerprint": asked.fingerprint,
@@ -148,6 +155,9 @@ def _failure(snapshot: Snapshot, replay: Replay) -> Iterator[str]:
     """Why a study failed, as its flights ended and as far as causes are known, and what to try."""
     ends = Counter(replay.scene.repeats[0].ends).most_common(MOST_ENDS) if replay.scene.repeats else []
     flown = [f"{number} of {replay.scene.repeats[0].flights} new flights {end}" for end, number in ends]
+    if replay.scene.repeats and not flown:
+        goal = snapshot.configuration.settings.goal
+        flown = [f"all {replay.scene.repeats[0].flights} new flights passed every gate, but the goal ({goal}) asks for more"]
     yield element("h2", "Why it failed") + _list([*flown, *why(failures_of(replay.robustness[:1]))])
     yield from _advice(snapshot, replay)
 
