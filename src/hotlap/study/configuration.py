@@ -108,17 +108,26 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
     Raises:
         InputError: the race is none that this version knows.
     """
+    scenario = Scenario(_load_race(plain["race"]), reference, _load_segments(plain["segments"]))
     return Configuration(
-        scenario=Scenario(_load_race(plain["race"]), reference, _load_segments(plain["segments"])),
+        scenario=scenario,
         world=_text(plain, "world"),
         metric=Metric(plain["metric"]),
         tuner=_text(plain["tuner"], "name"),
         settings=TuningSettings(goal=parse_goal(_text(plain, "goal")), **_numbers(plain)),
-        first_guess=np.array(plain["first_guess"], dtype=np.float64),
+        first_guess=_load_guess(plain["first_guess"], scenario),
         cost=_text(plain, "cost"),
         first_guess_name=_text(plain, "first_guess_name"),
         rival=load_rival(plain),
     )
+
+
+def _load_guess(plain: Any, scenario: Scenario) -> Parameters:
+    """The first guess of a dump, with as many numbers as the scenario asks for."""
+    guess, shape = np.array(plain, dtype=np.float64), (len(scenario.segments), scenario.space.size)
+    if guess.shape != shape:
+        raise InputError("", "first_guess", f"must have {shape[0]} rows of {shape[1]} numbers")
+    return guess
 
 
 def _text(plain: Mapping[str, Any], key: str) -> str:
