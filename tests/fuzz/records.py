@@ -89,7 +89,7 @@ def _disturb_row(connection: sqlite3.Connection, random: Random) -> None:
         connection.execute(f"DELETE FROM {table} WHERE {place} = ?", (row[0],))  # noqa: S608
         return
     value = row[1 + column]
-    if isinstance(value, str) and value[:1] in "[{" and random.random() < 0.8:
+    if _is_json(value) and random.random() < 0.8:
         value = json.dumps(disturb(json.loads(value), random), default=str)
     elif isinstance(value, str | bytes) and random.random() < 0.6:
         raw = damage(value if isinstance(value, bytes) else value.encode(), random)
@@ -97,6 +97,17 @@ def _disturb_row(connection: sqlite3.Connection, random: Random) -> None:
     else:
         value = random.choice([odd for odd in ODD_VALUES if isinstance(odd, float | str | bytes | type(None)) or odd == 0])
     connection.execute(f"UPDATE OR IGNORE {table} SET {names[column]} = ? WHERE {place} = ?", (value, row[0]))  # noqa: S608
+
+
+def _is_json(value: Any) -> bool:
+    """Whether a value is the text of a list or a table, which the disturbance before may have changed."""
+    if not isinstance(value, str) or value[:1] not in "[{":
+        return False
+    try:
+        json.loads(value)
+    except ValueError:
+        return False
+    return True
 
 
 def use(folder: Path, *steps: Callable[[Path], Any]) -> None:
