@@ -94,9 +94,27 @@ class Database:
         Raises:
             StudyError: it is no study, damaged, or of a newer format.
         """
+        made = self.format()
+        if made == 0:
+            return True
+        if made < FORMAT and self._lock is None:
+            self._read_a_copy()
+            made = self.format()
+        if checked and self._pragma("quick_check") != "ok":
+            raise self.damaged("its pages do not fit together")
+        if made < FORMAT:
+            self._migrate(made)
+        return False
+
+    def format(self) -> int:
+        """Which format the file has, 0 where it is empty; nothing in it but its list of tables is looked at.
+
+        Raises:
+            StudyError: it is no study, of a newer format, or its tables are not those of its format.
+        """
         application, made = self._pragma("application_id"), self._pragma("user_version")
         if application == 0 and self._pragma("page_count") == 0:
-            return True
+            return 0
         if application != APPLICATION:
             raise StudyError(str(self.folder), "", f"{FILE} is a database, but no study")
         if made > FORMAT:
@@ -104,14 +122,10 @@ class Database:
             raise StudyError(str(self.folder), "", reason)
         if made < 1:
             raise self.damaged(f"there is no format {made}")
-        if checked and self._pragma("quick_check") != "ok":
-            raise self.damaged("its pages do not fit together")
-        if made < FORMAT:
-            self._migrate(made)
-        fault = formats.fault_of(self.execute)
+        fault = formats.fault_of(self.execute, made)
         if fault:
             raise self.damaged(fault)
-        return False
+        return made
 
     def create(self) -> None:
         """Make the tables of a new file; within a transaction."""
@@ -212,13 +226,16 @@ class Database:
     def _pragma(self, name: str) -> Any:
         return self.execute(f"PRAGMA {name}")[0][0]
 
+    def _read_a_copy(self) -> None:
+        """Go on with a copy in memory, which may be changed."""
+        copy = sqlite3.connect(":memory:", isolation_level=None)
+        copy.execute("PRAGMA trusted_schema = OFF")
+        with self.readable_errors(), closing(self._connection) as file:
+            file.backup(copy)
+        self._connection = copy
+
     def _migrate(self, made: int) -> None:
         """Turn an earlier format into the present one."""
-        if self._lock is None:
-            copy = sqlite3.connect(":memory:", isolation_level=None)
-            with self.readable_errors(), closing(self._connection) as file:
-                file.backup(copy)
-            self._connection = copy
         with self.decoding(f"format {made}"), self.transaction():
             formats.migrate(self.execute, made)
             self.execute(f"PRAGMA user_version = {FORMAT}")
