@@ -11,6 +11,7 @@ from hotlap.core.errors import InputError
 from hotlap.system.text_files import cause_of
 
 MISSING = "there is no such file"
+PART = 1 << 20  # bytes that are read at a time
 _KINDS: tuple[tuple[Callable[[int], bool], str], ...] = (
     (stat.S_ISDIR, "is a folder, not a file"),
     (stat.S_ISFIFO, "is a pipe, not a file: write what comes out of it into a file, and give that"),
@@ -66,8 +67,7 @@ def read_bytes(path: str | Path, most: int, meant: str = "this is not a descript
         odd = _oddity(os.fstat(handle).st_mode)
         if odd:
             raise InputError(label, "", odd)
-        with os.fdopen(handle, "rb", closefd=False) as file:
-            content = file.read(most + 1)
+        content = read_at_most(handle, most)
     except OSError as error:
         raise InputError(label, "", f"cannot be read: {cause_of(error)}") from None
     finally:
@@ -75,6 +75,19 @@ def read_bytes(path: str | Path, most: int, meant: str = "this is not a descript
     if len(content) > most:
         raise InputError(label, "", f"is larger than {most / 1e6:g} MB: {meant}")
     return content
+
+
+def read_at_most(handle: int, most: int) -> bytes:
+    """What stands in an open file; more than `most` bytes where it is larger. Takes no more memory than there is to read.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    parts, size = list[bytes](), 0
+    while size <= most and (part := os.read(handle, PART)):
+        parts.append(part)
+        size += len(part)
+    return b"".join(parts)
 
 
 def read_text(path: str | Path, most: int, meant: str = "this is not a description", label: str = "") -> str:
