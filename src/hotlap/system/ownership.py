@@ -54,7 +54,7 @@ def is_private(folder: Path) -> bool:
     """Whether a path is that of a folder, not of a link to one, that is one's own and open to nobody else."""
     with suppress(OSError):
         status = folder.lstat()
-        return stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) == 0o700  # noqa: PLR2004
+        return stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) == 0o700
     return False
 
 
