@@ -40,13 +40,23 @@ def is_begun(folder: Path) -> bool:
     Raises:
         StudyError: what it holds cannot be read, or is no study.
     """
-    if not (folder / FILE).exists() or (folder / FILE).stat().st_size == 0:
+    try:
+        if (folder / FILE).stat().st_size == 0:
+            return False
+    except (FileNotFoundError, NotADirectoryError):
         return False
+    except (OSError, ValueError) as error:
+        raise _unusable(folder, error) from None
     database = Database(folder, owned=False)
     try:
         return not database.is_new()
     finally:
         database.close()
+
+
+def _unusable(folder: Path, error: Exception) -> StudyError:
+    """The error that says why a path is not that of a study."""
+    return StudyError(str(folder), "", f"cannot be used as the folder of a study: {cause_of(error)}")
 
 
 class Database:
@@ -242,14 +252,17 @@ class Database:
 
     def _refuse_odd_files(self) -> None:
         """Refuse what SQLite cannot name, would wait for, or would write to as if it were a file."""
-        size = len(os.fsencode((self.folder / FILE).absolute()))
+        try:
+            size = len(os.fsencode((self.folder / FILE).absolute()))
+        except (OSError, ValueError) as error:  # a working folder that is gone, a name that the system cannot have
+            raise _unusable(self.folder, error) from None
         if size > LONGEST_PATH:
             raise StudyError(str(self.folder), "", f"its path is too long for SQLite: {size} bytes, of {LONGEST_PATH}")
         for path in (self.folder / f"{FILE}{ending}" for ending in BESIDE):
             try:
                 odd = oddity(path)
             except (OSError, ValueError) as error:
-                raise StudyError(str(self.folder), "", f"cannot be used as the folder of a study: {cause_of(error)}") from None
+                raise _unusable(self.folder, error) from None
             if odd:
                 raise StudyError(str(self.folder), "", f"{path.name} is damaged: it {odd.partition(':')[0]}")
 
