@@ -79,7 +79,8 @@ def test_a_study_of_a_later_format_is_refused_in_one_line(tmp_path):
 
 def test_a_study_that_other_source_code_began_says_so_when_it_goes_on(tmp_path, monkeypatch):
     carry(tmp_path / "s", configure(goal="none", budget=20, validation=0), FakeWorld(name="plausible"))
-    monkeypatch.setattr("hotlap.study.study.digest_of_flights", lambda: "another")
+    for module in ("study", "versions"):
+        monkeypatch.setattr(f"hotlap.study.{module}.digest_of_flights", lambda: "another")
     asked = configure(goal="none", budget=30, validation=0)
     with pytest.warns(UserWarning, match="some of its flights are of other source code than this"):
         snapshot = carry(tmp_path / "s", asked, FakeWorld(name="plausible"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
@@ -97,7 +98,7 @@ def test_a_folder_in_which_one_may_write_and_not_look_is_no_error(tmp_path, monk
     begin = os.open
 
     def refuse(path, *arguments, **more):
-        if os.path.isdir(path):
+        if Path(path).is_dir():
             raise PermissionError(errno.EACCES, "Permission denied")
         return begin(path, *arguments, **more)
 

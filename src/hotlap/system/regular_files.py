@@ -7,7 +7,7 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from hotlap.core.errors import InputError
+from hotlap.core.errors import InputError, StudyError
 from hotlap.system.text_files import cause_of
 
 MISSING = "there is no such file"
@@ -40,6 +40,29 @@ def is_there(path: Path) -> bool:
         return path.exists()
     except (OSError, ValueError):
         return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a folder has this path; false likewise."""
+    return is_there(path) and path.is_dir()
+
+
+def check_folder(folder: Path, meant: str) -> None:
+    """Refuse a path that neither is that of a folder, nor can become one.
+
+    Args:
+        folder: the path.
+        meant: what it is given for, as "the folder of a study".
+
+    Raises:
+        StudyError: with the path and the reason.
+    """
+    try:
+        taken = folder.exists() and not folder.is_dir()
+    except (OSError, ValueError) as error:
+        raise StudyError(str(folder), "", f"cannot be used as {meant}: {cause_of(error)}") from None
+    if taken:
+        raise StudyError(str(folder), "", f"is a file, not {meant}")
 
 
 def read_bytes(path: str | Path, most: int, meant: str = "this is not a description", label: str = "") -> bytes:
