@@ -119,6 +119,7 @@ def test_a_temporary_folder_of_everybody_is_no_end(monkeypatch, temporary):
     monkeypatch.setattr(Path, "home", no_home)
     temporary.chmod(0o777)
     assert len({found_with_a_warning(monkeypatch) for _ in range(2)}) == 2
+    assert not (temporary / LASTING).exists()
 
 
 @pytest.mark.parametrize("shared", [".cache", ".cache/hotlap", ".cache/hotlap/plans"])

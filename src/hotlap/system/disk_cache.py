@@ -80,6 +80,8 @@ def _lasting() -> Path | None:
     """One's own folder among the temporary ones, the same for every process; None where it is, or could become, somebody else's."""
     place = Path(tempfile.gettempdir()).absolute() / f"hotlap-{os.getuid()}"
     with suppress(OSError):
+        if doubt(place):
+            return None
         make_private(place)
         return place if is_private(place) else None
     return None
