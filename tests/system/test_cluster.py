@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import time
@@ -171,6 +172,13 @@ def test_a_worker_with_several_threads_is_refused(tmp_path):
         own.wait_for(1)
         with pytest.raises(InputError, match=r"has 2 threads, and should have one"), opened(own.address):
             pass
+
+
+def test_a_worker_with_several_threads_that_joins_late_does_nothing():
+    with distributed.Client(processes=False, n_workers=1, threads_per_worker=2, dashboard_address=":0", set_as_default=False) as client:
+        results, error = unpack(client.submit(do, pack(square, 3, ()), fingerprint()).result())
+    assert results == []
+    assert re.fullmatch(r"cluster: worker on .* has 2 threads, and should have one: --nworkers N --nthreads 1", str(error))
 
 
 def test_a_cluster_that_is_not_there_is_told_in_one_line(tmp_path, monkeypatch):

@@ -490,7 +490,7 @@ def count_flights(folder: str | Path) -> int:
     """
     database = Database(Path(folder), owned=False)
     try:
-        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
+        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0]) if database.format() else 0
     finally:
         database.close()
 

@@ -98,6 +98,21 @@ def _check_needed(needed: Needed) -> None:
             raise InputError("", "cluster", f"{what} {reason} on {platform.node()}; install or copy it to every worker")
 
 
+def many_threads(worker: str, threads: int) -> str:
+    """What is said of a worker that would do several pieces of work at a time in one process."""
+    return f"{worker} has {threads} threads, and should have one: --nworkers N --nthreads 1"
+
+
+def _threads() -> int:
+    """Of the worker whose task this is, as dask counts them; 1 where there is no worker."""
+    try:
+        from distributed import get_worker  # noqa: PLC0415  loaded already on a worker, and an extra
+
+        return int(get_worker().state.nthreads)
+    except (ImportError, ValueError):
+        return 1
+
+
 def do(task: bytes, expected: str) -> bytes:
     """Do a piece of work on a worker.
 
@@ -111,6 +126,8 @@ def do(task: bytes, expected: str) -> bytes:
     if fingerprint() != expected:
         reason = f"worker on {platform.node()} has another installation of hotlap, Python or a library than this one"
         return pickle.dumps(([], InputError("", "cluster", reason)))
+    if (threads := _threads()) != 1:
+        return pickle.dumps(([], InputError("", "cluster", many_threads(f"worker on {platform.node()}", threads))))
     results: list[Any] = []
     token = WORKING.set(True)
     try:
