@@ -7,6 +7,7 @@ import signal
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -173,6 +174,18 @@ def test_a_worker_with_several_threads_is_refused(tmp_path):
             pass
 
 
+@pytest.mark.check
+def test_a_worker_with_several_threads_that_joins_later_is_refused_too(tmp_path):
+    with DaskCluster(tmp_path) as own:
+        own.add_worker()
+        own.wait_for(1)
+        with opened(own.address) as engine:
+            own.add_worker(threads=2)
+            own.wait_for(2)
+            with pytest.raises(InputError, match=r"has 2 threads, and should have one"):
+                list(engine.spread(say_where, [(str(tmp_path), 0.1)] * 30))
+
+
 def test_a_cluster_that_is_not_there_is_told_in_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr("hotlap.system.cluster.TIMEOUT", 0.5)
     with pytest.raises(InputError, match=r"cluster: there is no scheduler at tcp://127\.0\.0\.1:9") as raised, opened("tcp://127.0.0.1:9"):
@@ -196,6 +209,14 @@ def test_a_worker_does_nothing_for_another_installation():
     assert results == []
     assert "another installation" in str(error)
     assert unpack(do(pack(square, 3, ()), fingerprint())) == ([9, -3], None)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_worker_does_nothing_on_more_than_one_thread(monkeypatch, threads):
+    monkeypatch.setattr(distributed, "get_worker", lambda: SimpleNamespace(state=SimpleNamespace(nthreads=threads)))
+    results, error = unpack(do(pack(square, 3, ()), fingerprint()))
+    assert results == ([9, -3] if threads == 1 else [])
+    assert error is None if threads == 1 else f"has {threads} threads, and should have one" in str(error)
 
 
 def test_a_fingerprint_knows_code_and_libraries_and_forgives_the_processor(monkeypatch):

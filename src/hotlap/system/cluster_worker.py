@@ -99,11 +99,11 @@ def _check_needed(needed: Needed) -> None:
 
 
 def do(task: bytes, expected: str) -> bytes:
-    """Do a piece of work on a worker.
+    """Do a piece of work on a worker, which may have joined after all others were looked at.
 
     Args:
         task: what `pack` gives.
-        expected: the fingerprint of whoever asks; a worker may have joined after all others were looked at.
+        expected: the fingerprint of whoever asks.
 
     Returns:
         Pickled (results, None), or with the error that came after them.
@@ -111,6 +111,8 @@ def do(task: bytes, expected: str) -> bytes:
     if fingerprint() != expected:
         reason = f"worker on {platform.node()} has another installation of hotlap, Python or a library than this one"
         return pickle.dumps(([], InputError("", "cluster", reason)))
+    if (threads := _threads()) != 1:
+        return pickle.dumps(([], InputError("", "cluster", told_of_threads(f"on {platform.node()}", threads))))
     results: list[Any] = []
     token = WORKING.set(True)
     try:
@@ -123,6 +125,21 @@ def do(task: bytes, expected: str) -> bytes:
         return pickle.dumps((results, portable(error)))
     finally:
         WORKING.reset(token)
+
+
+def told_of_threads(worker: str, threads: int) -> str:
+    """Why a worker is refused that does several pieces of work at a time."""
+    return f"worker {worker} has {threads} threads, and should have one: --nworkers N --nthreads 1"
+
+
+def _threads() -> int:
+    """How many pieces of work the worker that this is done on does at a time; 1 where it is done on none."""
+    try:
+        from distributed import get_worker  # noqa: PLC0415  an extra
+
+        return get_worker().state.nthreads
+    except (ImportError, ValueError):
+        return 1
 
 
 def unpack(answer: bytes) -> tuple[list[Any], Exception | None]:
