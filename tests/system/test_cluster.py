@@ -12,8 +12,9 @@ from types import SimpleNamespace
 import pytest
 
 from hotlap.core.errors import HotlapError, InputError
+from hotlap.core.own_code import import_own
 from hotlap.system import cluster_worker, engine
-from hotlap.system.cluster_worker import digest_needed, do, fingerprint, installation, pack, unpack
+from hotlap.system.cluster_worker import do, fingerprint, installation, pack, unpack
 from hotlap.system.engine import check_jobs, is_one_of_many, opened
 from hotlap.system.process_pool import Processes
 from system.dask_cluster import DaskCluster, wait_until
@@ -59,6 +60,10 @@ def cluster(tmp_path_factory):
 def on(cluster, work, pieces, notes=None):
     with opened(cluster.address, note=(notes if notes is not None else []).append) as engine:
         return list(engine.spread(work, pieces))
+
+
+def say_value(name: str):
+    yield import_own(name).VALUE
 
 
 @pytest.mark.check
@@ -164,6 +169,24 @@ def test_what_waits_on_the_cluster_is_cancelled_when_the_work_is_given_up(cluste
 
 
 @pytest.mark.check
+def test_a_module_of_the_folder_that_workers_were_started_in_is_found_and_after_a_change_they_are_to_be_restarted(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    module = tmp_path / "module_of_a_cluster.py"
+    module.write_text("VALUE = 3\n")
+    with DaskCluster(tmp_path) as own:
+        own.add_worker(environment={"PYTHONSAFEPATH": "1"})  # as the command dask does
+        own.wait_for(1)
+        with opened(own.address) as engine:
+            engine.require("module_of_a_cluster")
+            assert list(engine.spread(say_value, ["module_of_a_cluster"])) == [("module_of_a_cluster", 3)]
+        module.write_text("VALUE = 4\n")
+        with opened(own.address) as engine:
+            engine.require("module_of_a_cluster")
+            with pytest.raises(InputError, match="restart the workers"):
+                list(engine.spread(say_value, ["module_of_a_cluster"]))
+
+
+@pytest.mark.check
 def test_a_worker_with_several_threads_is_refused(tmp_path):
     with DaskCluster(tmp_path) as own:
         with pytest.raises(InputError, match=r"has no workers; start some: dask worker"), opened(own.address):
@@ -227,17 +250,6 @@ def test_a_fingerprint_knows_code_and_libraries_and_forgives_the_processor(monke
         if what != "processor":
             monkeypatch.setattr(cluster_worker, "installation", lambda what=what: {**mine, what: "another"})
             assert fingerprint() != before
-
-
-def test_a_worker_does_nothing_with_other_files_than_ours(tmp_path):
-    file = tmp_path / "reference.csv"
-    file.write_text("1\n")
-    needed = ((str(file), digest_needed(str(file))),)
-    assert unpack(do(pack(square, 3, needed), fingerprint())) == ([9, -3], None)
-    _, error = unpack(do(pack(square, 3, ((str(file), "another"),)), fingerprint()))
-    assert "reference.csv differs from ours" in str(error)
-    _, error = unpack(do(pack(square, 3, ((str(tmp_path / "absent"), "another"),)), fingerprint()))
-    assert "absent is not there" in str(error)
 
 
 def test_what_cannot_be_sent_is_told_in_one_line():

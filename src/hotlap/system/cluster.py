@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError
 from hotlap.system import cluster_worker
-from hotlap.system.cluster_worker import PROCESSOR, Needed, digest_needed, installation, told_of_threads
+from hotlap.system.cluster_worker import PROCESSOR, installation, told_of_threads
+from hotlap.system.needed import Needed, digest_needed
 
 if TYPE_CHECKING:
     from distributed import Client, Future, as_completed

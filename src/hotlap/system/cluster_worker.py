@@ -9,8 +9,6 @@ import sys
 from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -19,14 +17,12 @@ from hotlap.core.errors import HotlapError, InputError
 from hotlap.core.version import __version__
 from hotlap.system.disk_cache import digest_sources
 from hotlap.system.engine import WORKING
+from hotlap.system.needed import Needed, check_needed
 from hotlap.system.process_pool import portable
 
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite", "casadi", "scikit-learn", "cmaes", "pydantic")
 """Packages whose version may decide about a digit of a result, or about what can be sent."""
 PROCESSOR = "processor"
-
-Needed = tuple[tuple[str, str], ...]
-"""(file or module, digest of its content) of what work reads on the machine where it is done."""
 
 
 @cache
@@ -69,35 +65,6 @@ def _processor() -> str:
     )
 
 
-def digest_needed(what: str) -> str:
-    """Sixteen hexadecimal digits of a file, or of the source of a module; "" where there is none.
-
-    Args:
-        what: a path, or the dotted name of a module, which is not imported.
-    """
-    path = Path(what)
-    try:
-        if path.is_file():
-            return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-        return digest_sources(what) if find_spec(what) is not None else ""
-    except (OSError, ImportError, ValueError):
-        return ""
-
-
-@cache
-def _check_needed(needed: Needed) -> None:
-    """Refuse work that reads something else here than where it was asked for.
-
-    Raises:
-        InputError: a file or module is not here, or is another one.
-    """
-    for what, digest in needed:
-        here = digest_needed(what)
-        if here != digest:
-            reason = "differs from ours" if here else "is not there"
-            raise InputError("", "cluster", f"{what} {reason} on {platform.node()}; install or copy it to every worker")
-
-
 def do(task: bytes, expected: str) -> bytes:
     """Do a piece of work on a worker, which may have joined after all others were looked at.
 
@@ -117,7 +84,7 @@ def do(task: bytes, expected: str) -> bytes:
     token = WORKING.set(True)
     try:
         work, piece, needed = pickle.loads(task)  # noqa: S301  from the user's own program, over the user's own cluster
-        _check_needed(needed)
+        check_needed(needed)
         with threadpool_limits(limits=1):
             results.extend(work(piece))
         return pickle.dumps((results, None))
