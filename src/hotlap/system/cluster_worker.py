@@ -18,10 +18,13 @@ from hotlap.core.version import __version__
 from hotlap.system.disk_cache import digest_sources
 from hotlap.system.engine import WORKING
 from hotlap.system.needed import Needed, check_needed
+from hotlap.system.package_data import digest_data
 from hotlap.system.process_pool import portable
 
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite", "casadi", "scikit-learn", "cmaes", "pydantic")
 """Packages whose version may decide about a digit of a result, or about what can be sent."""
+WITH_DATA = ("data", "worlds")
+"""Folders of hotlap with files besides Python that decide about a result; those of `report` draw pages, on the machine that asks."""
 PROCESSOR = "processor"
 
 
@@ -36,6 +39,7 @@ def installation() -> dict[str, str]:
         "hotlap": __version__,
         **{name: _version(name) for name in LIBRARIES},
         "hotlap's code": digest_sources("hotlap"),
+        "hotlap's data": digest_data(*WITH_DATA),
         PROCESSOR: _processor(),
     }
 
