@@ -34,6 +34,11 @@ def say_where(piece: tuple[str, float]):
     yield os.getpid()
 
 
+def wait_for(file: str):
+    wait_until(Path(file).exists)
+    yield os.getpid()
+
+
 def complain(piece: int):
     yield piece
     raise InputError("file", "key", f"{piece} is bad")
@@ -92,6 +97,20 @@ def test_an_error_of_a_piece_arrives_as_it_was_after_its_results(cluster):
 def test_the_file_of_a_scheduler_is_as_good_as_its_address(cluster):
     with opened(str(cluster.file)) as engine:
         assert engine.workers == 2
+
+
+def test_what_a_killed_worker_had_begun_is_done_by_one_that_joins(tmp_path):
+    with DaskCluster(tmp_path) as own:
+        own.add_worker()
+        own.wait_for(1)
+        with opened(own.address) as engine:
+            results = engine.spread(wait_for, [str(own.file), str(tmp_path / "killed")])
+            assert next(results) == (str(own.file), own.workers[0].pid)
+            own.workers[0].kill()
+            own.workers[0].wait()
+            own.add_worker()
+            (tmp_path / "killed").touch()
+            assert list(results) == [(str(tmp_path / "killed"), own.workers[1].pid)]
 
 
 @pytest.mark.check
