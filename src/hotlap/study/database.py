@@ -81,6 +81,7 @@ class Database:
                 location = f"{(folder / FILE).absolute().as_uri()}?mode={mode}"
                 self._connection = sqlite3.connect(location, uri=True, isolation_level=None, timeout=30.0)
                 self._connection.execute("PRAGMA synchronous = EXTRA")  # FULL lets a power cut take the last transaction back
+                self._connection.execute("PRAGMA fullfsync = ON")  # as `drive.flush`; of macOS alone
                 self._connection.execute("PRAGMA trusted_schema = OFF")
         except BaseException:
             self._release()
