@@ -30,6 +30,8 @@ from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.study.database import is_begun
 from hotlap.study.study import new_folder
+from hotlap.system.engine import opened
+from hotlap.system.regular_files import check_folder
 from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
@@ -128,18 +130,18 @@ def carry_out(asked: Asked, call: Callable[..., Any]) -> FastestResult | FrontRe
     settings = _settings(asked, call)
     tuner, race = tuners.build(asked.tuner).name, load(asked.race, asked.controller)
     folder = as_path(asked.out) or new_folder(race.name)
-    if folder.exists() and not folder.is_dir():
-        raise StudyError(str(folder), "", "is a file, not the folder of a study")
+    check_folder(folder, "the folder of a study")
     if is_begun(folder) or ((folder / RACE_FILE).exists() and load_race(folder / RACE_FILE).name != _name(race)):
         raise StudyError(str(folder), "", "holds another study; give another folder for this one")
     world = worlds.build(asked.on)
     conditions = read_hold(asked.hold, race, world)
-    with asked.remarked("go on", out=folder):
+    with asked.remarked("go on", out=folder), opened(asked.cluster, note=asked.progress.note) as engine:
+        engine.require(asked.tuner.partition(":")[0].rpartition(".")[0])
         make_kind_ready(world, race.controller.kind, asked.progress)
         if conditions:
-            return find_front(asked, race, folder, (tuner, settings), conditions)
+            return find_front(asked, race, folder, (tuner, settings), conditions, engine)
         with asked.progress.rounds(PLANS, 0) as progress:
-            each = partial(ResumableJobs(folder, progress=progress, note=asked.progress.note).each, PLANS)
+            each = partial(ResumableJobs(folder, progress=progress, note=asked.progress.note, engine=engine).each, PLANS)
             best = fastest(race, tuner, settings, partial(each, work=try_plan), partial(each, work=judge_plan), ROUNDS)
     before = _lap_before(race)
     if best is None:

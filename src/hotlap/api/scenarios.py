@@ -23,6 +23,7 @@ from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.study.database import is_begun
+from hotlap.system.regular_files import is_folder, is_there
 from hotlap.worlds.stepped import Stepped
 from hotlap.worlds.world import World
 
@@ -70,7 +71,7 @@ def planned_as(race: Race, parameters: Any) -> Race:
         InputError: they cannot be read.
     """
     given = isinstance(parameters, str | Path) and str(parameters) not in NAMES and Path(parameters).suffix != TRAINING
-    if not given or not race.planning.free or not Path(parameters).exists():
+    if not given or not race.planning.free or not is_there(Path(parameters)):
         return race
     saved = load_parameters(parameters)
     share = saved.provenance.get(CHOSEN_SHARE)
@@ -109,7 +110,7 @@ def read_parameters(path: Path, scenario: Scenario, progress: Progress) -> Param
     """
     _refuse_unfinished(path)
     saved = load_parameters(path)
-    values = parameters_for(scenario, saved, str(path / PARAMETERS_FILE if path.is_dir() else path))
+    values = parameters_for(scenario, saved, str(path / PARAMETERS_FILE if is_folder(path) else path))
     for difference in differences(scenario, saved):
         progress.note(f"note: {path}: {difference}")
     return values
@@ -136,7 +137,7 @@ def check_guess(text: str) -> None:
     if text in NAMES:
         return
     path = Path(text)
-    if not path.suffix and not path.exists():
+    if not path.suffix and not is_there(path):
         raise UnknownNameError("first guess", text, NAMES, key="first_guess")
     if path.suffix == TRAINING:
         load_training_set(path)
@@ -164,6 +165,6 @@ def read_guess(text: str, scenario: Scenario, progress: Progress) -> Parameters:
 
 def _refuse_unfinished(path: Path) -> None:
     """A folder whose study has not ended holds no parameters yet."""
-    if path.is_dir() and is_begun(path) and not (path / PARAMETERS_FILE).exists():
+    if is_folder(path) and is_begun(path) and not (path / PARAMETERS_FILE).exists():
         reason = f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap.tune(RACE, out={str(path)!r}) goes on with it"
         raise InputError(str(path), "", reason)

@@ -7,15 +7,18 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
+from hotlap.analysis.comparison import RunJournal
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
-from hotlap.core.errors import InputError, StudyError
 from hotlap.race.controllers import ControllerKind
-from hotlap.report.article import Article
+from hotlap.report.article import Article, Heading, Paragraph
 from hotlap.reproduce.experiments import EXPERIMENTS, UnavailableError, perform
+from hotlap.system.engine import check_jobs, opened
+from hotlap.system.journal import Journal
+from hotlap.system.regular_files import check_folder
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
@@ -24,17 +27,16 @@ PAGE, WEB = "page.md", "page.html"
 
 def run(options: Namespace) -> int:
     """Do what is missing of each experiment, and write its page."""
-    if options.jobs < 0:
-        raise InputError("--jobs", "", f"must not be negative, not {options.jobs}")
+    check_jobs(options.jobs, options.cluster)
     folder: Path = options.out
-    if folder.exists() and not folder.is_dir():
-        raise StudyError(str(folder), "", "is a file, not a folder for pages")
+    check_folder(folder, "a folder for pages")
     pages = []
-    with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'reproduce', *options.arguments])}"):
+    again = f"nothing is lost; go on with: {shlex.join(['hotlap', 'reproduce', *options.arguments])}"
+    with opened(options.cluster, options.jobs, note) as engine, remark(again):
         make_kind_ready(BuiltIn(), ControllerKind.MPC)
         for name in EXPERIMENTS if options.experiment == "all" else (options.experiment,):
             note(f"{name}:")
-            jobs = ResumableJobs(folder / (f"{name}-quick" if options.quick else name), options.jobs, follow_pieces, note)
+            jobs = ResumableJobs(folder / (f"{name}-quick" if options.quick else name), progress=follow_pieces, note=note, engine=engine)
             try:
                 page = perform(name, jobs, quick=options.quick)
             except UnavailableError as error:
@@ -42,7 +44,8 @@ def run(options: Namespace) -> int:
                     raise
                 note(f"note: {name} is left out: {error}")
                 continue
-            paths = _write(jobs.folder, page)
+            again = shlex.join(["hotlap", "reproduce", name, *["--quick"] * options.quick, "--out", str(folder)])
+            paths = _write(jobs.folder, page, again)
             pages.append((name, page, paths))
     document = {"experiments": {name: _dump(page, paths) for name, page, paths in pages}}
     lines = [line for _, page, paths in pages for line in (page.title, *(f"  {one}" for one in (*paths, *page.pictures)))]
@@ -50,10 +53,13 @@ def run(options: Namespace) -> int:
     return 0
 
 
-def _write(folder: Path, page: Article) -> tuple[Path, Path]:
-    """The page in both its forms."""
+def _write(folder: Path, page: Article, command: str) -> tuple[Path, Path]:
+    """The page in both its forms; in HTML with the command that does it again and the runs behind it."""
     paths = folder / PAGE, folder / WEB
-    for path, content in zip(paths, (page.markdown, page.html), strict=True):
+    kept = [file for file in (RunJournal.file, Journal.file) if (folder / file).is_file()]
+    end = [Heading("Run it again"), Paragraph(f"`{command}`")]
+    web = Article(page.title, [*page.parts, *end], next(iter(kept), ""), page.style, page.script)
+    for path, content in zip(paths, (page.markdown, web.html), strict=True):
         replace(path, content)
     return paths
 

@@ -21,7 +21,7 @@ LONGEST = 70  # characters of a help
 FOLDER = "DIR"  # the metavar of folders
 FILES = frozenset({"FILE", "LOG"})  # metavars of files
 LISTS = frozenset({"tuners", "to"})  # arguments whose words are joined by commas
-EITHER = frozenset({"race", "races", "track", "vehicle", "first_guess", "quadrotor"})  # arguments that are names or files
+EITHER = frozenset({"race", "races", "track", "vehicle", "first_guess", "cluster", "quadrotor"})  # arguments that are names or files
 
 
 @dataclass(frozen=True)
