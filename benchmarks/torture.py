@@ -275,7 +275,7 @@ def torment(place: Place, warm: Path, whole: Whole, fault: str, chance: random.R
     place.prepare(warm)
     if fault != FULL:
         return _struck(place, whole, fault, chance)
-    with small_disk(place.out, chance.randrange(1 << 14, whole.size)):
+    with small_disk(place.out, chance.randrange(1 << 12, whole.size)):
         process = place.start()
         process.wait(LONGEST)
         complaint = _after(process, place, 0) or ("" if process.returncode in {0, 1, 2} else f"exit status {process.returncode}")
