@@ -24,6 +24,9 @@ NUMBER = re.compile(r"-?\d+(\.\d+)?(e-?\d+)?")
 VARYING = re.compile(r"[\u2800-\u28ff]|missed gate|crashed|hit the|touched|left the box")  # dots of a map, and how flights ended
 
 
+COLUMNS = 112  # that a page has for a line of a program, on a screen of 1280 pixels
+
+
 class CommandError(Exception):
     """A command of a page does not work."""
 
@@ -64,6 +67,7 @@ def run(words: tuple[str, ...]) -> str:
     from hotlap.cli import main  # noqa: PLC0415  reading a page takes none of it
 
     program, *arguments = words
+    os.environ["COLUMNS"] = str(COLUMNS)
     with contextlib.redirect_stdout(io.StringIO()) as output:
         if program == "python":
             runpy.run_path(arguments[0], run_name="__main__")

@@ -77,6 +77,35 @@ async function sort(page) {
   check((await column(table, 1)).length === before, "no row is lost");
 }
 
+/** A chart says the values of its lines, by the pointer and by the arrow keys. */
+async function point(page) {
+  const figure = page.locator(".charts .chart", { hasText: "all alike" });
+  const chart = figure.locator("svg");
+  await chart.scrollIntoViewIfNeeded();
+  const { width, height } = await chart.boundingBox();
+  await chart.hover({ position: { x: 0.9 * width, y: 0.4 * height } });
+  const values = figure.locator(".values");
+  const told = await values.innerText();
+  check(/^flight \d+/.test(told) && (told.match(/100 %/g) ?? []).length === (await page.locator(".legend button").count()), `a chart says the value of every line: ${told}`);
+  const box = await values.boundingBox();
+  check(box.x >= 0 && box.x + box.width <= page.viewportSize().width, "on the page");
+  await page.mouse.move(2, 2);
+  check(await values.isHidden(), "until the pointer leaves");
+  await chart.focus();
+  for (let press = 0; press < 3; press++) await page.keyboard.press("ArrowLeft");
+  const before = Number(/\d+/.exec(await values.innerText())[0]);
+  await page.keyboard.press("ArrowRight");
+  check(Number(/\d+/.exec(await values.innerText())[0]) === before + 1, "the arrows go from flight to flight");
+  await page.keyboard.press("Tab");
+  check(await values.isHidden(), "and the box goes with the focus");
+}
+
+/** Where a table is cut there is a shadow, and only there. */
+async function shadows(page) {
+  const painted = await page.locator(".wide").evaluateAll((all) => all.every((one) => getComputedStyle(one).backgroundAttachment.includes("local")));
+  check(painted && (await page.locator(".wide").count()) > 0, "a table that is cut has a shadow at its edge");
+}
+
 /** The key hides a tuner everywhere, and lights it. */
 async function choose(page) {
   const first = page.locator(".legend button").first();
@@ -112,6 +141,8 @@ for (const scheme of ["light", "dark"]) {
     seen[scheme] = await lineColours(opened.page);
     if (name === "desktop") await sort(opened.page);
     if (name === "desktop") await choose(opened.page);
+    await point(opened.page);
+    await shadows(opened.page);
     if (scheme === "dark") {
       const [paper] = await countPixels(opened.page, opened.page.locator(".chart").first(), ["rgb(255, 255, 255)"]);
       check(paper < 200, `${name}: charts are dark in the dark (${paper} white pixels)`);

@@ -24,6 +24,14 @@ async function look(browser, name, size) {
   check(/cost added/.test(await page.locator("#parameters").innerText()), `${name}: and so are the losses beside the parameters`);
   check(/typical flight/.test(await page.locator("#shown-flights").innerText()), `${name}: what is shown is said`);
   check(/where the flights ended that failed/.test(await page.locator("#shown-flights").innerText()), `${name}: the crosses are explained beside the scene`);
+  const labels = await page.evaluate(() => window.hotlap.labels().map(({ x, y, half }) => [x, y, half]));
+  const covered = labels.flatMap(([x, y, half], i) => labels.slice(i + 1).filter((other) => Math.abs(x - other[0]) < half + other[2] && Math.abs(y - other[1]) < 0.0419));
+  check(labels.length > 2 && covered.length === 0, `${name}: no label of the scene covers another (${covered.length} of ${labels.length})`);
+  const bands = await page.locator(".band b:first-child").evaluateAll((all) => all.every((one) => one.offsetTop < 6 && one.scrollWidth <= one.parentElement.parentElement.clientWidth));
+  check(bands, `${name}: the numbers of segments are whole in the timeline`);
+  const key = await page.locator("#samples .key").innerText();
+  check(/passed the goal/.test(key) && /failed the goal/.test(key) && /tuned/.test(key), `${name}: pairs use the words of the convergence: ${key}`);
+  check(/accepted by the chain/.test(key) && /accepted by the chain/.test(await page.locator("#convergence .key").innerText()), `${name}: a chain's acceptance is told apart from the goal`);
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
   check(wide <= 0, `${name}: nothing is wider than the page (${wide} px too much)`);
   check(complaints.length === 0, `${name}: no errors: ${complaints.join("\n")}`);

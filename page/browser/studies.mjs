@@ -43,7 +43,7 @@ const opened = await open(browser, address, { width: 1280, height: 900, scheme: 
 const { page } = opened;
 await sift(page);
 await page.locator("#sift").fill("below");
-await page.locator("thead button", { hasText: "flights" }).click();
+await page.locator("thead button", { hasText: /^flights/ }).click();
 const row = page.locator('tr[data-name="below/new"]');
 const before = await row.innerText();
 await row.locator("a").focus();

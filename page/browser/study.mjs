@@ -30,6 +30,13 @@ async function inspect(name, { page, requests, complaints }) {
   check(unnamed.length === 0, `${name}: controls and drawings have names: ${unnamed.join(" ")}`);
   const strangers = requests.filter((url) => url !== address && !url.startsWith("data:"));
   check(strangers.length === 0, `${name}: nothing is asked for outside the page: ${strangers.join(" ")}`);
+  const key = await page.locator("#convergence .key").innerText();
+  check(/passed the goal/.test(key) && /tuned/.test(key) && !/reject/.test(key), `${name}: flights are said to have passed the goal, and which was kept: ${key}`);
+  const shares = (await page.locator("#effort td").allInnerTexts()).filter((words) => words.includes("%"));
+  check(shares.length > 3 && shares.every((words) => !/<1 %|>99 %/.test(words)), `${name}: shares of effort are numbers: ${shares.join("; ")}`);
+  check(/search time \d/.test(await page.locator(".headline").innerText()), `${name}: the time is that of the search, and is called so`);
+  const touch = await page.locator("#telemetry .note .by-touch").isVisible();
+  check(touch === (name === "phone") && touch !== (await page.locator("#telemetry .note .by-mouse").isVisible()), `${name}: what is said of fingers and mice is what is there`);
   check(complaints.length === 0, `${name}: no errors: ${complaints.join("\n")}`);
 }
 

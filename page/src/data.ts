@@ -202,6 +202,12 @@ export interface Flights {
   readonly stream: ArrayLike<number>;
   readonly accepted: ArrayLike<number>;
   readonly succeeded: ArrayLike<number>;
+  /** Whether the flight was with the parameters that are the result. */
+  readonly tuned: ArrayLike<number>;
+  /** Whether the tuner is a chain, so that what it accepts says where it goes on from. */
+  readonly chain: boolean;
+  /** What is said of flights that passed and that failed. */
+  readonly verdicts: readonly [string, string];
   readonly failed_segment: ArrayLike<number>;
   readonly cost_name: string;
 }
@@ -222,6 +228,8 @@ export interface Samples {
   readonly accepted: ArrayLike<number>;
   readonly completion: Table;
   readonly succeeded: ArrayLike<number>;
+  readonly chain: boolean;
+  readonly verdicts: readonly [string, string];
   readonly of: number;
 }
 

@@ -15,11 +15,11 @@ export function s<K extends keyof SVGElementTagNameMap>(name: K, attributes: Att
 }
 
 /** A card with a heading, and a note on what is seen. */
-export function card(id: string, title: string, note: string, ...children: Child[]): HTMLElement {
+export function card(id: string, title: string, note: string | readonly Child[], ...children: Child[]): HTMLElement {
   return h(
     "section",
     { class: "card", id, "aria-labelledby": `${id}-title` },
-    h("header", {}, h("h2", { id: `${id}-title` }, title), note ? h("p", { class: "note" }, note) : null),
+    h("header", {}, h("h2", { id: `${id}-title` }, title), note.length ? h("p", { class: "note" }, ...(typeof note === "string" ? [note] : note)) : null),
     ...children,
   );
 }

@@ -11,6 +11,9 @@ export function digits(value: number | null | undefined, significant = 3): strin
   return trim(value.toFixed(places)).replace("-", "−");
 }
 
+/** What is said in place of flights that come after a search. */
+export const FLOWN_LATER = "Flown when the study has ended.";
+
 /** Seconds. */
 export function seconds(value: number | null | undefined, places = 2): string {
   return known(value) ? `${value.toFixed(places)} s` : "–";
@@ -19,15 +22,21 @@ export function seconds(value: number | null | undefined, places = 2): string {
 /** A share: 97 %. Never rounded to "all" or "none" when it is not. */
 export function percent(share: number | null | undefined): string {
   if (!known(share)) return "–";
-  const rounded = Math.round(100 * share);
+  const rounded = whole(100 * share);
   if (rounded === 100 && share < 1) return ">99 %";
   if (rounded === 0 && share > 0) return "<1 %";
   return `${rounded} %`;
 }
 
+/** A whole number; a half goes to the even one, as in the terminal. */
+function whole(value: number): number {
+  const down = Math.floor(value);
+  return Math.abs(value - down - 0.5) < 1e-9 ? down + (down % 2) : Math.round(value);
+}
+
 /** The interval of a rate: 94 to 99 %. */
 export function interval(rate: Pick<Interval, "low" | "high">): string {
-  return `${Math.round(100 * rate.low)} to ${Math.round(100 * rate.high)} %`;
+  return `${whole(100 * rate.low)} to ${whole(100 * rate.high)} %`;
 }
 
 /** "1 flight", "2 flights". */

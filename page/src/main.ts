@@ -49,7 +49,7 @@ function start(): void {
     const drawing = scene.start();
     preparePrint(app, drawing);
     if (!timed) begin(app);
-    if (drawing) Object.assign(window, { hotlap: { place: () => drawing.place, frames: () => drawing.view.frames, still: () => drawing.view.still() } });
+    if (drawing) Object.assign(window, { hotlap: { place: () => drawing.place, labels: () => drawing.labels, frames: () => drawing.view.frames, still: () => drawing.view.still() } });
   });
 }
 

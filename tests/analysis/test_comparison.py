@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import math
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -176,16 +177,41 @@ def test_the_file_keeps_runs_and_drops_the_line_that_was_being_written(tmp_path)
     assert len(RunJournal(tmp_path).done) == 3
 
 
-@pytest.mark.parametrize("line", [b'{"key": "a"}', b"[1, 2]", b"\xff\xfe", b"", b'{"key": "a", "run": {"cost": 1}}'])
-def test_a_damaged_line_is_named(tmp_path, line):
-    (tmp_path / "runs.jsonl").write_bytes(line + b"\n{}\n")
-    with pytest.raises(StudyError, match=r"runs.jsonl: line 1: is damaged"):
-        RunJournal(tmp_path)
+@pytest.mark.parametrize(
+    "line",
+    [b'{"key": "a"}', b"[1, 2]", b"\xff\xfe", b"", b'{"key": "a", "run": {"cost": 1}}', b"[" * 100_000, b'{"key": 1, "checksum": 1}'],
+)
+def test_a_damaged_line_is_named_and_left_out_and_those_that_are_whole_stay(tmp_path, line):
+    path = tmp_path / "runs.jsonl"
+    with RunJournal.opened(tmp_path) as file:
+        file.add(("key", 0), make_run(seed=0))
+    kept = path.read_bytes()
+    path.write_bytes(line + b"\n" + kept)
+    with pytest.warns(UserWarning, match=r"runs.jsonl: line 1 is damaged and left out; all others count"):
+        assert list(RunJournal(tmp_path).done) == [("key", 0)]
+    with pytest.warns(UserWarning, match=r"line 1 is damaged"), RunJournal.opened(tmp_path) as file:
+        file.add(("key", 1), make_run(seed=1))
+    assert sorted(RunJournal(tmp_path).done) == [("key", 0), ("key", 1)]
+    assert path.read_bytes().startswith(kept)
+    assert (tmp_path / "runs.jsonl.damaged").read_bytes() == line + b"\n"
 
 
-def test_a_file_that_is_a_folder_is_refused(tmp_path):
+def test_a_number_that_has_changed_since_is_found(tmp_path):
+    with RunJournal.opened(tmp_path) as file:
+        file.add(("key", 0), make_run(seed=0, flights=31))
+    path = tmp_path / "runs.jsonl"
+    path.write_bytes(path.read_bytes().replace(b'"flights": 31', b'"flights": 13'))
+    with pytest.warns(UserWarning, match=r"line 1 is damaged"):
+        assert not RunJournal(tmp_path).done
+
+
+def test_what_is_no_file_is_refused(tmp_path):
     (tmp_path / "runs.jsonl").mkdir()
-    with pytest.raises(StudyError, match=r"runs.jsonl: cannot be read: "):
+    with pytest.raises(StudyError, match=r"runs.jsonl: is a folder, not a file"):
+        RunJournal(tmp_path)
+    (tmp_path / "runs.jsonl").rmdir()
+    os.mkfifo(tmp_path / "runs.jsonl")
+    with pytest.raises(StudyError, match=r"runs.jsonl: is a pipe, not a file"):
         RunJournal(tmp_path)
 
 

@@ -33,7 +33,7 @@ def test_a_front_is_written_with_races_and_parameters_that_fly_it(tmp_path, caps
     assert main(command) == 0
     document = json.loads(capsys.readouterr().out)
     assert document == json.loads((out / "front.json").read_text(encoding="utf-8"))
-    assert [rate["change"] for rate in document["rates"]] == ["as tuned", "5 % heavier", "steady wind of 0.5 m/s^2"]
+    assert [rate["change"] for rate in document["rates"]] == ["as tuned", "5 % heavier", "steady push of 0.5 m/s^2 as of wind"]
     assert all(rate["rate"] >= 0.95 and rate["low"] < rate["rate"] + 1e-9 for rate in document["rates"])
     laps = [one["lap_time"] for one in document["front"]]
     assert laps == sorted(laps)

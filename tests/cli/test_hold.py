@@ -21,7 +21,7 @@ from hotlap.study.study import Study
 
 TUNE = ("tune", "straight.toml", "--seed", "1", "--validation", "20", "--out", "mine")
 ASKED = "mass=+-20%, wind=3, noise=x2"
-NAMES = ["20 % lighter", "20 % heavier", "steady wind of 3 m/s^2", "twice the noise"]
+NAMES = ["20 % lighter", "20 % heavier", "steady push of 3 m/s^2 as of wind", "twice the noise"]
 TRUE = make_scenario().race.vehicle.mass
 LOST = 1e3  # times the parameters: nobody passes a gate
 
@@ -54,7 +54,7 @@ def test_tune_flies_what_is_asked_for_first_and_says_whether_all_of_it_is_held(h
     lines = ran.out.splitlines()
     rows = lines[lines.index("will it hold?") + 1 :]
     assert [row.strip().partition("  ")[0] for row in rows[:5]] == ["as tuned", *NAMES]
-    assert "  2 of 4 conditions NOT held in 95 % of the flights: 20 % heavier, steady wind of 3 m/s^2" in rows
+    assert "  2 of 4 conditions NOT held in 95 % of the flights: 20 % heavier, steady push of 3 m/s^2 as of wind" in rows
     assert f"--hold '{ASKED}'" in (here / "mine" / "report.html").read_text(encoding="utf-8"), "the command that does it again"
     document = hotlap(*TUNE, "--hold", ASKED, "--json").document
     assert [row["change"] for row in document["robustness"] if row["asked"]] == NAMES
@@ -69,9 +69,9 @@ def test_what_to_try_is_one_list_in_the_terminal_in_json_and_on_the_page(hotlap,
     blind = Diagnosis(FailureCause.UNKNOWN_FORCE, "it sinks", "set controller.offset_free = true")
     monkeypatch.setattr("hotlap.analysis.robustness.diagnose", lambda *_, **__: (blind,))
     lines = hotlap(*TUNE, "--hold", ASKED).out.splitlines()
-    told = "set controller.offset_free = true (20 % heavier; steady wind of 3 m/s^2; 10 % heavier; 15 % less thrust)"
+    told = "set controller.offset_free = true (20 % heavier; steady push of 3 m/s^2 as of wind; 10 % heavier; 15 % less thrust)"
     assert lines[lines.index("why flights fail:") + 1 :][:3] == [
-        "  20 % heavier, steady wind of 3 m/s^2, 10 % heavier, 15 % less thrust: unknown force: it sinks",
+        "  20 % heavier, steady push of 3 m/s^2 as of wind, 10 % heavier, 15 % less thrust: unknown force: it sinks",
         "what to try:",
         f"  {told}",
     ]
@@ -102,9 +102,11 @@ def test_a_study_remembers_what_was_asked_for_and_its_page_shows_it_again(hotlap
     page.unlink()
     assert hotlap("report", "mine").code == 0
     shown = document_of(page.read_text(encoding="utf-8"))["robustness"]
-    assert [row["change"] for row in shown if row["asked"]] == ["steady wind of 3 m/s^2"]
+    assert [row["change"] for row in shown if row["asked"]] == ["steady push of 3 m/s^2 as of wind"]
     again = hotlap(*TUNE, "--json").document
-    assert [row["change"] for row in again["robustness"] if row["asked"]] == ["steady wind of 3 m/s^2"], "gone on with without a word of it"
+    assert [row["change"] for row in again["robustness"] if row["asked"]] == ["steady push of 3 m/s^2 as of wind"], (
+        "gone on with without a word of it"
+    )
     assert "--hold wind=3" in page.read_text(encoding="utf-8"), "the command that does it again"
     hotlap(*TUNE, "--hold", "gusts=1")
     with Study.read(here / "mine") as study:
@@ -135,7 +137,7 @@ def test_fly_adds_what_is_asked_for_and_nothing_else(hotlap):
     assert rates(held["robustness"])["as tuned"] == pytest.approx(complete)
     words = hotlap("fly", "straight.toml", "--flights", "40", "--hold", "wind=3 & mass=+10%").out
     assert "will it hold?\n  as tuned " in words
-    assert "1 of 1 condition NOT held in 95 % of the flights: steady wind of 3 m/s^2 and 10 % heavier\n" in words
+    assert "1 of 1 condition NOT held in 95 % of the flights: steady push of 3 m/s^2 as of wind and 10 % heavier\n" in words
 
 
 def test_compare_has_a_table_of_what_each_tuner_holds(hotlap, here):
@@ -145,7 +147,7 @@ def test_compare_has_a_table_of_what_each_tuner_holds(hotlap, here):
     ran = hotlap(*asked, "--hold", ASKED)
     assert "race" in ran.out.partition("will it hold?\n")[2].splitlines()[0]
     assert ran.out.count("20 % heavier %") == 2, "race by race, and over all"
-    assert "steady wind of 3 m/s^2 %" in (here / "c" / "table.md").read_text(encoding="utf-8")
+    assert "steady push of 3 m/s^2 as of wind %" in (here / "c" / "table.md").read_text(encoding="utf-8")
     assert "Will it hold?" in (here / "c" / "comparison.html").read_text(encoding="utf-8")
     document = hotlap(*asked, "--hold", ASKED, "--json").document
     for row, before in zip(document["rows"], plain["rows"], strict=True):

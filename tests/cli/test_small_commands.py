@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from types import ModuleType, SimpleNamespace
 
 import pytest
 
+from hotlap.cli.check import wrap_remarks
 from hotlap.files.descriptions import Kind, load, names
 from printed_figures import check_figures
 
@@ -141,3 +143,19 @@ def test_bench_measures_and_prints(hotlap, monkeypatch):
     assert (ran.code, ran.out, ran.err) == (0, "fast enough\n", "measuring ...\n")
     assert hotlap("bench", "--json").document == Bench().dump()
     monkeypatch.delitem(sys.modules, "hotlap.cli.bench", raising=False)
+
+
+def test_findings_keep_within_the_terminal_and_lose_no_word(hotlap, monkeypatch):
+    whole = hotlap("check", "hummingbird").out
+    assert "COLUMNS" not in os.environ
+    for columns in (60, 112):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        told = hotlap("check", "hummingbird").out
+        assert max(map(len, told.splitlines())) <= columns
+        assert told.split() == whole.split()
+
+
+def test_remarks_go_on_from_their_values_where_columns_are_too_wide():
+    rows = [("lag", "95 ms", "rates follow"), ("first guess", "50 of 50", "")]
+    assert wrap_remarks(rows, None) == wrap_remarks(rows, 60) == [["  lag          95 ms     rates follow"], ["  first guess  50 of 50"]]
+    assert wrap_remarks(rows, 30) == [["  lag          95 ms  rates", "               follow"], ["  first guess  50 of 50"]]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from docs.pages import DOCS, program
@@ -31,3 +33,11 @@ def test_a_command_that_fails_is_noticed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(transcript.CommandError, match="exit status 2"):
         list(transcript.perform("```console\n$ hotlap check nowhere.toml\n```\n"))
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_what_check_says_fits_the_column_of_a_page(page):
+    text = (DOCS / page).read_text(encoding="utf-8")
+    checks = re.findall(r"^\$ hotlap check .*?(?=^\$|^```)", text, re.DOTALL | re.MULTILINE)
+    assert checks or page != "tutorial.md"
+    assert max((len(line) for check in checks for line in check.splitlines()), default=0) <= transcript.COLUMNS

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +18,9 @@ from hotlap.planning.problem import Problem
 from hotlap.race.race import PlanDynamics, Race, Ramp
 from hotlap.race.rotors import RotorLayout
 from hotlap.reference.reference import Reference
+from hotlap.system import sealed
 from hotlap.system.disk_cache import source_files
+from hotlap.system.sealed import CacheWarning
 from reached import reached
 
 from . import small
@@ -44,6 +48,11 @@ def assert_same(a: Reference, b: Reference) -> None:
         assert_array_equal(getattr(a, field.name), getattr(b, field.name))
 
 
+def assert_planned(expected: Reference) -> None:
+    """The plan is what it should be; the planner may have taken another time."""
+    assert_same(dataclasses.replace(planning.plan(RACE), cpu_time=expected.cpu_time), expected)
+
+
 def test_a_plan_is_made_once(folder, monkeypatch):
     first = planning.plan(RACE)
     forbid_planning(monkeypatch)
@@ -61,17 +70,68 @@ def test_a_damaged_file_is_planned_anew_and_mended(folder, monkeypatch, damage):
     first = planning.plan(RACE)
     file = next(folder.iterdir())
     file.write_bytes(file.read_bytes()[:3000] if damage is None else damage)
-    assert_same(dataclasses.replace(planning.plan(RACE), cpu_time=first.cpu_time), first)
+    with pytest.warns(CacheWarning, match=r"\.npz: is damaged, so it is made anew$"):
+        assert_planned(first)
     forbid_planning(monkeypatch)
     planning.plan(RACE)
 
 
-def test_a_file_with_a_state_that_is_no_number_is_planned_anew(folder):
+def test_an_archive_that_is_whole_but_not_as_it_was_written_is_planned_anew(folder):
+    """Another plan, or the same one moved by five metres."""
     first = planning.plan(RACE)
-    spoilt = dataclasses.replace(first, position=np.full_like(first.position, np.nan))
-    plan_cache.save(plan_cache.key(Problem.of(RACE)), spoilt)
-    assert np.isfinite(planning.plan(RACE).position).all()
+    (file,) = folder.iterdir()
+    moved = {name: getattr(first, name) + (5.0 if name == "position" else 0.0) for name in (*plan_cache.ARRAYS, *plan_cache.SCALARS)}
+    with file.open("wb") as stream:
+        np.savez(stream, **moved)
+    with pytest.warns(CacheWarning, match="is damaged"):
+        assert_planned(first)
+    other = plan_cache.key(Problem.of(OTHERS["mass"]))
+    file.rename(folder / f"{other}.npz")
+    with pytest.warns(CacheWarning, match="is damaged"):
+        assert plan_cache.load(other) is None
+
+
+def spoilt(name: str, change: Callable[[Any], Any]) -> Callable[[Reference], Reference]:
+    """A plan in which a field is not what it should be."""
+    return lambda plan: dataclasses.replace(plan, **{name: change(getattr(plan, name))})
+
+
+NO_PLANS_AT_ALL = {
+    "a position is no number": spoilt("position", lambda values: values * np.nan),
+    "a rate is infinite": spoilt("rates", lambda values: values + np.inf),
+    "a row is missing": spoilt("velocity", lambda values: values[1:]),
+    "a column is missing": spoilt("attitude", lambda values: values[:, :3]),
+    "thrust is a table": spoilt("thrust", lambda values: values[:, None]),
+    "a gate's time is no number": spoilt("gate_times", lambda values: values * np.nan),
+    "gates run backwards": spoilt("gate_times", lambda values: values[::-1]),
+    "no gates": spoilt("gate_times", lambda values: values[:0]),
+    "rotors without rows": spoilt("rotor_thrusts", lambda values: values[0]),
+    "longer than its rows": spoilt("duration", lambda value: value + 1000.0),
+    "as long as a number can be": spoilt("duration", lambda _: 1e300),
+    "before it begins": spoilt("duration", lambda value: -value),
+    "endless": spoilt("duration", lambda _: np.inf),
+    "no period": spoilt("period", lambda _: 0.0),
+    "a period that is no number": spoilt("period", lambda _: np.nan),
+    "a time of the planner that is no number": spoilt("cpu_time", lambda _: np.nan),
+}
+
+
+@pytest.mark.parametrize("spoil", NO_PLANS_AT_ALL.values(), ids=NO_PLANS_AT_ALL.keys())
+def test_what_is_no_plan_is_planned_anew(folder, spoil):
+    first = planning.plan(RACE)
+    plan_cache.save(plan_cache.key(Problem.of(RACE)), spoil(first))
+    with pytest.warns(CacheWarning, match="is no plan, so it is made anew$"):
+        assert_planned(first)
     assert len(list(folder.iterdir())) == 1
+
+
+def test_a_plan_with_other_arrays_is_planned_anew(folder):
+    first = planning.plan(RACE)
+    (file,) = folder.iterdir()
+    for content in (b"", b"no archive", b"PK\x05\x06" + bytes(18)):
+        sealed.write(file, content)
+        with pytest.warns(CacheWarning, match="is no plan"):
+            assert_planned(first)
 
 
 def test_a_cache_that_cannot_be_written_is_no_error(folder):

@@ -25,11 +25,11 @@ GOOD = {
     "rate_gain=-30%": ["30 % softer rate loop"],
     "noise=x2": ["twice the noise"],
     "noise=1.5": ["1.5 times the noise"],
-    "wind=3": ["steady wind of 3 m/s^2"],
-    "gusts=.5m/s^2": ["gusts of 0.5 m/s^2"],
+    "wind=3": ["steady push of 3 m/s^2 as of wind"],
+    "gusts=.5m/s^2": ["gusts that push with 0.5 m/s^2"],
     "sag=15%": ["battery sag of 15 %"],
-    "wind=3, gusts=2,wind=3": ["steady wind of 3 m/s^2", "gusts of 2 m/s^2"],
-    "mass=+-10% & wind=3": ["10 % lighter and steady wind of 3 m/s^2", "10 % heavier and steady wind of 3 m/s^2"],
+    "wind=3, gusts=2,wind=3": ["steady push of 3 m/s^2 as of wind", "gusts that push with 2 m/s^2"],
+    "mass=+-10% & wind=3": ["10 % lighter and steady push of 3 m/s^2 as of wind", "10 % heavier and steady push of 3 m/s^2 as of wind"],
 }
 BAD = {
     "mass": "'mass': must be like mass=",

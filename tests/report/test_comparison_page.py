@@ -68,7 +68,7 @@ def test_a_chart_draws_each_tuner_within_its_frame_and_says_what_its_axes_are():
     looks = looks_of(TUNERS)
     axes = Axes(262, 130, 200)
     for chart in (curve_chart(curves_of("all differ", runs), looks), profile_chart(runs, looks)):
-        paths = re.findall(r'<path d="(M[^"]*)" class="line t\d" data-tuner="(t\d)">', chart)
+        paths = re.findall(r'<path d="(M[^"]*)" class="line t\d" data-tuner="(t\d)" data-steps="', chart)
         assert [tuner for _, tuner in paths] == ["t0", "t1", "t2", "t3"]
         assert all(re.fullmatch(r"M[\d.]+ [\d.]+(H[\d.]+(V[\d.]+)?)+", path) for path, _ in paths), "steps alone"
         assert chart.count('class="name"') == 2
@@ -108,3 +108,11 @@ def test_a_comparison_without_a_command_does_not_name_one():
 
 def test_scripts_cannot_end_their_element():
     assert "</" not in load_script("tables", "comparison")
+
+
+def test_a_line_says_the_values_of_its_curve_wherever_they_change():
+    curves = curves_of("r", [make_run("a", "r", 0, budget=60, curve=((1, 0.25), (7, 1.0)))])
+    [line] = re.findall(r'<path[^>]*class="line[^>]*>', curve_chart(curves, looks_of(["a"])))
+    assert re.search('data-steps="([^"]*)"', line)[1] == "1 25 25 25;7 100 100 100"
+    assert re.search('data-end="([^"]*)"', line)[1] == "60"
+    assert re.findall('data-steps="1 [0-9]', profile_chart([make_run("a", "r", 0)], looks_of(["a"])))

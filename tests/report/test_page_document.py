@@ -97,6 +97,8 @@ def test_every_flight_is_there_in_the_order_of_the_ledger(study, whole):
     np.testing.assert_allclose(unpack(flights["number"]), ledger.numbers + 1)
     assert [Stream(stream) for stream in flights["stream"]] == ledger.streams.tolist()
     assert flights["accepted"] == ledger.accepted.tolist()
+    assert flights["tuned"] == [bool((one == study.best).all()) for one in ledger.parameters]
+    assert sum(flights["tuned"]) >= 1, "the parameters that are kept were flown"
     assert flights["succeeded"] == ((ledger.completion >= 1) & (ledger.mean_error < 0.01)).tolist()
 
 
@@ -275,3 +277,14 @@ def test_estimates_are_drawn_where_the_controller_makes_some(whole):
         if on:
             np.testing.assert_allclose(unpack(plain["thrust_effectiveness"]), 0.9, rtol=1e-6)
             np.testing.assert_allclose(unpack(plain["disturbance"]), 5.0)
+
+
+@pytest.mark.parametrize(("tuner", "chain"), [("metropolis_hastings:tied", True), ("simulated_annealing", True), ("gate_gp", False)])
+@pytest.mark.parametrize(
+    ("goal", "words"), [("completion=1", ["passed the goal", "failed the goal"]), ("none", ["passed every gate", "missed a gate"])]
+)
+def test_flights_are_told_by_the_goal_and_only_chains_accept(tmp_path, tuner, chain, goal, words):
+    document = dump_study(begin(tmp_path, replace(configure(goal=goal), tuner=tuner)), None)
+    for part in ("flights", "samples"):
+        assert document[part]["chain"] is chain
+        assert document[part]["verdicts"] == words

@@ -107,6 +107,13 @@ def test_a_study_that_failed_says_why_without_javascript(tmp_path, goal, told):
     assert ("Why it failed" in words) == ("50 of 50 new flights missed gate 1" in words) == told
 
 
+def test_a_study_that_passed_all_gates_says_that_its_goal_asks_for_more(tmp_path):
+    world = PlausibleWorld(reach=0.0)  # all flights pass
+    study = carry(tmp_path, configure(goal="mean_error<0.0001", budget=10), world)
+    words = " ".join(read(render_static(study, replay_finished(study.configuration, world, study.best))).words)
+    assert "all 50 new flights passed every gate, but the goal (mean_error<0.0001) asks for more" in words
+
+
 def test_a_study_without_flights_has_a_page(tmp_path):
     snapshot = begin(tmp_path, configure())
     assert summary_of(snapshot) == "No flights yet."
@@ -198,6 +205,6 @@ def test_what_was_asked_for_stands_first_and_is_marked(tmp_path):
     assert [one.asked for one in replay.robustness] == [False, True, True, False, False, False, False]
     words = " ".join(read(render_static(study, replay)).words)
     assert "asked for" in words
-    assert words.index("steady wind of 3 m/s^2") < words.index("10 % heavier") < words.index("10 % lighter")
+    assert words.index("steady push of 3 m/s^2 as of wind") < words.index("10 % heavier") < words.index("10 % lighter")
     html = render(study, replay)
     assert html.count('"asked":true') == 2

@@ -22,7 +22,7 @@ from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments
 from hotlap.report import figures, pictures
 from hotlap.report.canvas import CLASS_CODES
-from hotlap.report.history import compare, recount
+from hotlap.report.history import collect, compare, recount
 from hotlap.report.page.replay import choose, demonstrate
 from hotlap.report.pictures import FORMATS, draw, draw_everything, draw_plan, figures_of, save
 from hotlap.report.scene import stage
@@ -282,7 +282,19 @@ def test_marks_that_do_not_occur_are_not_explained(tmp_path):
     )
     with Study.open(tmp_path, configuration) as study:
         figure = figures.convergence(recount(study.flights(), parse_goal("none"), "cost [s]"), "straight")
-    assert "rejected" not in texts(figure)
+    assert not any(words in texts(figure) for words in ("passed", "missed", "re-flight", "kept"))
+
+
+@pytest.mark.check
+def test_the_flight_that_was_kept_is_marked_in_both_charts(tmp_path):
+    study = carry(tmp_path, configure())
+    history = recount(study.ledger, study.configuration.settings.goal, "cost [s]", study.best)
+    shown = texts(figures.convergence(history, "straight"))
+    assert "tuned: kept" in shown
+    assert "passed the goal" in shown
+    found = collect(study.ledger, study.configuration.settings.goal)
+    pairs = texts(figures.samples(found, study.configuration.scenario.space, study.best, "straight"))
+    assert all(words in pairs for words in ("passed the goal", "failed the goal", "tuned: kept"))
 
 
 def test_a_figure_of_one_file_is_saved_whole(tmp_path):

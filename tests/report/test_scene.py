@@ -107,6 +107,12 @@ def test_the_best_so_far_only_improves_and_knows_no_re_flights():
     assert history.best_cost[-1] == history.best_cost[-2] == history.cost[history.searching].min()
 
 
+def test_the_flights_of_the_parameters_that_are_kept_are_known():
+    flown = ledger(make_scenario(), [*[Stream.SEARCH] * 3, Stream.CONFIRMATION])
+    assert recount(flown, parse_goal("none"), "cost [s]", flown.parameters[1]).tuned.tolist() == [False, True, False, False]
+    assert not recount(flown, parse_goal("none"), "cost [s]").tuned.any(), "before there are any"
+
+
 @pytest.mark.parametrize("goal", ["completion=0.5", "mean_error<0.4", "max_error<1", "none"])
 def test_what_failed_is_what_missed_the_goal(goal):
     flown = ledger(make_scenario(), [Stream.SEARCH] * 8)

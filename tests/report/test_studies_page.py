@@ -121,7 +121,7 @@ def test_cells_of_a_study_that_has_not_flown_say_so():
     assert dict(zip(HEADS, row["cells"], strict=True))["completion [%]"] == "-"
     minutes = row_of(Glance("s", State.SEARCHING, minutes=2.0, flights=7, completion=0.5, lap_time=5.0, successes=19, validation=20))
     cells = dict(zip(HEADS, minutes["cells"], strict=True))
-    assert [cells[name] for name in HEADS[2:6]] == ["7 of 2 min", "50", "95 of 20", "5.00"]
+    assert [cells[name] for name in HEADS[2:6]] == ["7 of 2 min", "50", "95 (20)", "5.00"]
     unreadable = row_of(Glance("s", State.UNREADABLE, fault="why"))
     assert len(unreadable["cells"]) == len(HEADS)
     json.dumps([row, minutes, unreadable], allow_nan=False)

@@ -54,6 +54,9 @@ def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, ca
     assert first["html"] == str(tmp_path / f"{name}-quick" / "page.html")
     assert web.count("<img") == web.count('src="data:image/png;base64,') == len(first["pictures"])
     assert "<table>" in web
+    assert f"hotlap reproduce {name} --quick --out" in web
+    [runs] = re.findall('href="([^"]+jsonl)"', web)
+    assert (tmp_path / f"{name}-quick" / runs).is_file(), "the runs behind it lie beside the page"
     pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", page)
     assert [str(tmp_path / f"{name}-quick" / picture) for picture in pictures] == first["pictures"]
     for picture in pictures:

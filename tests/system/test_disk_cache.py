@@ -1,11 +1,14 @@
 """Where results are kept, and fingerprints of code."""
 
+import os
 from pathlib import Path
 
 import pytest
 
+from hotlap.core.errors import InputError
 from hotlap.system import disk_cache
 from hotlap.system.disk_cache import digest_sources, folder, source_files
+from hotlap.system.sealed import CacheWarning
 
 
 @pytest.fixture(autouse=True)
@@ -33,12 +36,67 @@ def test_ones_own_folder_comes_first(monkeypatch, tmp_path):
     assert folder("plans") == tmp_path / "own" / "plans"
 
 
-def test_a_user_without_a_home_gets_a_temporary_folder(monkeypatch):
-    def fail():
-        raise RuntimeError("no home")
+@pytest.fixture
+def temporary(monkeypatch, tmp_path):
+    """Where temporary folders are made; removed as at the end of the process."""
+    monkeypatch.setattr(disk_cache.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setenv("HOTLAP_CACHE", "")
+    ends = []
+    monkeypatch.setattr(disk_cache.atexit, "register", lambda *end: ends.append(end))
+    yield tmp_path
+    for end, *arguments in ends:
+        end(*arguments)
+    assert not list(tmp_path.glob("hotlap-*"))
 
-    monkeypatch.setattr(Path, "home", fail)
-    assert folder("plans").is_absolute()
+
+def no_home():
+    raise RuntimeError("no home")
+
+
+@pytest.mark.parametrize("home", [no_home, lambda: Path("relative")])
+def test_a_user_without_a_home_gets_a_temporary_folder_that_nobody_foresees(monkeypatch, temporary, home):
+    monkeypatch.setattr(Path, "home", home)
+    with pytest.warns(CacheWarning, match="has no home") as said:
+        found = folder("plans")
+    assert folder("plans") == found
+    assert len(said) == 1
+    assert found.parent.parent == temporary
+    assert found.parent.stat().st_mode & 0o777 == 0o700
+    assert os.environ["HOTLAP_CACHE"] == str(found.parent)  # processes that are started find it
+    monkeypatch.setenv("HOTLAP_CACHE", "")
+    with pytest.warns(CacheWarning):
+        assert folder("plans") != found
+
+
+@pytest.mark.parametrize("shared", [".cache", ".cache/hotlap", ".cache/hotlap/plans"])
+def test_the_usual_folder_is_not_used_where_others_may_write(tmp_path, temporary, shared):
+    (tmp_path / ".cache" / "hotlap" / "plans").mkdir(parents=True)
+    (tmp_path / shared).chmod(0o777)
+    with pytest.warns(CacheWarning, match=f"others may write to {tmp_path / shared}, so"):
+        assert folder("plans").parent.parent == temporary
+
+
+@pytest.mark.parametrize("shared", ["own", "own/plans"])
+def test_ones_own_folder_is_refused_where_others_may_write(monkeypatch, tmp_path, shared):
+    (tmp_path / "own" / "plans").mkdir(parents=True)
+    (tmp_path / shared).chmod(0o777)
+    monkeypatch.setenv("HOTLAP_CACHE", str(tmp_path / "own"))
+    with pytest.raises(InputError, match=rf"^HOTLAP_CACHE: others may write to {tmp_path / shared}, so .*chmod 700"):
+        folder("plans")
+
+
+def test_folders_below_are_looked_at_as_well(monkeypatch, tmp_path):
+    (tmp_path / "own" / "kernels" / "1234").mkdir(parents=True)
+    (tmp_path / "own" / "kernels" / "1234").chmod(0o777)
+    monkeypatch.setenv("HOTLAP_CACHE", str(tmp_path / "own"))
+    with pytest.raises(InputError, match="1234, so"):
+        folder("kernels", "1234")
+
+
+def test_the_home_of_an_unknown_user_is_one_line(monkeypatch):
+    monkeypatch.setenv("HOTLAP_CACHE", "~no_such_user_at_all/c")
+    with pytest.raises(InputError, match=r"^HOTLAP_CACHE: the home of ~no_such_user_at_all is not known$"):
+        folder("plans")
 
 
 def test_asking_for_a_folder_makes_none(tmp_path):
@@ -112,9 +170,11 @@ def test_a_text_is_parsed_once(tmp_path, monkeypatch):
 
 def test_a_damaged_note_is_made_anew(tmp_path):
     found = digest_of(tmp_path / "a.py", CODE)
-    for note in folder("digests").iterdir():
-        note.write_bytes(b"\xff")
-    assert digest_of(tmp_path / "a.py", CODE) == found
+    (note,) = folder("digests").iterdir()
+    for damage in (b"\xff", b"0123456789abcdef", note.read_bytes().replace(found.encode(), b"0123456789abcdef")):
+        note.write_bytes(damage)
+        with pytest.warns(CacheWarning, match="is damaged"):
+            assert digest_of(tmp_path / "a.py", CODE) == found
 
 
 def test_a_folder_that_cannot_be_made_is_no_error(tmp_path, monkeypatch):

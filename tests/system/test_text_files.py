@@ -7,7 +7,8 @@ import resource
 import pytest
 
 from hotlap.core.errors import InputError
-from hotlap.system.text_files import create, replace, written_whole
+from hotlap.system.text_files import create, replace
+from hotlap.system.whole_files import written_whole
 
 UNWRITABLE = "begun" + "\ud800"  # no UTF-8: fails when the file is open, as on a full disk
 

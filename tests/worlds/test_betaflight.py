@@ -17,6 +17,7 @@ from hotlap import worlds
 from hotlap.core.errors import InputError
 from hotlap.files.descriptions import load_quadrotor
 from hotlap.race.quadrotor import RotorLayout
+from hotlap.system.sealed import CacheWarning
 from hotlap.worlds.betaflight import built, console
 from hotlap.worlds.betaflight.console import configured
 from hotlap.worlds.betaflight.gains import as_flown
@@ -202,9 +203,21 @@ def test_a_configuration_that_was_damaged_is_made_anew(monkeypatch, tmp_path):
     vehicle = load_quadrotor("five-inch")
     lines = configuration(vehicle.layout, 620)
     eeprom = configured(lines)
-    (kept,) = (tmp_path / "betaflight").glob("*.eeprom")
+    (kept,) = (tmp_path / "betaflight").glob("*.bin")
     kept.write_bytes(kept.read_bytes()[:-9])
-    assert configured(lines) == eeprom
+    with pytest.warns(CacheWarning, match="is damaged"):
+        assert configured(lines) == eeprom
+
+
+def test_a_clock_that_was_damaged_is_built_anew(monkeypatch, tmp_path):
+    monkeypatch.setenv("HOTLAP_CACHE", str(tmp_path))
+    built.shim.cache_clear()
+    whole = built.shim().read_bytes()
+    built.shim().write_bytes(whole[:3000] + b"?" + whole[3001:])
+    built.shim.cache_clear()
+    with pytest.warns(CacheWarning, match="is damaged"):
+        assert built.shim().stat().st_mode & 0o777 == 0o600
+    built.shim.cache_clear()
 
 
 def test_a_killed_firmware_is_one_line(airborne):

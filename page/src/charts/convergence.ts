@@ -17,13 +17,13 @@ interface Kind {
   readonly shape: Shape;
   readonly colour: string;
   readonly name: string;
-  readonly of: (flights: Flights, row: number) => boolean;
+  readonly of: (row: number) => boolean;
 }
 
 /** The card with completion and cost over flights. */
 export function convergence(app: App): { readonly element: HTMLElement; readonly build: () => void } {
   const key = h("p", { class: "key" });
-  const said = h("p", { class: "said" }, "Point at a flight to read its values.");
+  const said = h("p", { class: "said" }, h("span", { class: "by-mouse" }, "Point at a flight to read its values."), h("span", { class: "by-touch" }, "Touch a flight to read its values."));
   const name = h("span", {}, "cost");
   const [completion, cost] = ["completion", "cost"].map((what) => h("div", { class: "plot", role: "img", "aria-label": `${what} of every flight in the order flown` }));
   const frames = [
@@ -41,7 +41,7 @@ export function convergence(app: App): { readonly element: HTMLElement; readonly
   app.theme.after(build);
   const upper = h("figure", { class: "chart" }, h("figcaption", {}, "completion [%]"), completion);
   const lower = h("figure", { class: "chart" }, h("figcaption", {}, name), cost);
-  const note = "Line: the best single search flight so far, which may be lucky; dashed: the tuned parameters, the mean of their flights.";
+  const note = "Line: the best single search flight so far, which may be lucky.";
   return { element: card("convergence", "Convergence of the search", note, key, upper, lower, said), build };
 }
 
@@ -67,40 +67,59 @@ function draw(app: App, colours: Palette, of: (flights: Flights) => Table, summa
     yValues: (value) => (share && value > 100 ? "" : digits(value)),
     ...(logarithmic ? { ySplits: decades(...edges) } : {}),
     above: (plot, pen) => {
-      if (Number.isFinite(kept)) level(plot, pen, kept, `tuned, ${meanOf(summary.kept?.flights ?? 0)}`, colours, share && kept > 50, true);
       const size = (rows.length <= 80 ? 4 : rows.length <= 300 ? 3 : 2) * uPlot.pxRatio;
       rows.forEach((row, i) => {
         if (!Number.isFinite(values[i])) return;
-        const kind = kinds(colours).find((one) => one.of(flights, row));
+        const kind = kinds(colours, flights).find((one) => one.of(row));
         const [x, y] = [plot.valToPos(flights.number.values[row], "x", true), plot.valToPos(values[i], "y", true)];
-        if (kind) mark(pen, kind.shape, x, y, size, kind.colour, colours.face);
+        if (kind) mark(pen, kind.shape, x, y, size, colourOf(flights, row, kind, colours), colours.face);
+        if (isTuned(flights, row)) mark(pen, "halo", x, y, size + 3 * uPlot.pxRatio, colours.ink, colours.face);
       });
+      if (Number.isFinite(kept)) level(plot, pen, kept, "tuned", colours, share && kept > 50, true);
     },
   };
 }
 
-function kinds(colours: Palette): readonly Kind[] {
-  const search = (flights: Flights, row: number): boolean => flights.stream[row] === SEARCH;
+function kinds(colours: Palette, flights: Flights): readonly Kind[] {
+  const [passed, failed] = flights.verdicts;
+  const search = (row: number): boolean => flights.stream[row] === SEARCH;
   return [
-    { shape: "disc", colour: colours.accent, name: "accepted by the tuner", of: (flights, row) => search(flights, row) && Boolean(flights.accepted[row]) },
-    { shape: "ring", colour: colours.accent, name: "rejected", of: (flights, row) => search(flights, row) },
-    { shape: "diamond", colour: colours.again, name: "re-flight", of: (flights, row) => Boolean(flights.succeeded[row]) },
-    { shape: "cross", colour: colours.failure, name: "failed re-flight", of: () => true },
+    { shape: "disc", colour: colours.accent, name: passed, of: (row) => search(row) && Boolean(flights.succeeded[row]) },
+    { shape: "ring", colour: colours.accent, name: failed, of: search },
+    { shape: "diamond", colour: colours.again, name: "of the re-flights passed", of: (row) => Boolean(flights.succeeded[row]) },
+    { shape: "cross", colour: colours.failure, name: "of the re-flights failed", of: () => true },
   ];
 }
 
+/** The search flight whose parameters were kept. */
+const isTuned = (flights: Flights, row: number): boolean => flights.stream[row] === SEARCH && Boolean(flights.tuned[row]);
+
+/** Grey for what a chain did not accept. */
+function colourOf(flights: Flights, row: number, kind: Kind, colours: Palette): string {
+  return flights.chain && flights.stream[row] === SEARCH && !flights.accepted[row] ? colours.quiet : kind.colour;
+}
+
 function keys(app: App, flights: Flights): HTMLElement[] {
-  const signs: Readonly<Record<Shape, string>> = { disc: "●", ring: "○", diamond: "◆", cross: "×" };
-  const all = kinds(palette(app.theme.value));
+  const signs: Readonly<Record<Shape, string>> = { disc: "●", ring: "○", diamond: "◆", cross: "×", halo: "◎" };
+  const all = kinds(palette(app.theme.value), flights);
   const occurring = new Map<string, number>();
   for (const row of searchRows(flights)) {
-    const kind = all.find((one) => one.of(flights, row));
+    const kind = all.find((one) => one.of(row));
     if (kind) occurring.set(kind.name, (occurring.get(kind.name) ?? 0) + 1);
   }
-  return all
-    .filter((kind) => occurring.has(kind.name))
-    .map((kind) => h("span", {}, h("b", { class: `sign ${kind.shape}`, "aria-hidden": "true" }, signs[kind.shape]), `${occurring.get(kind.name)} ${kind.name}`));
+  const sign = (shape: Shape): HTMLElement => h("b", { class: `sign ${shape}`, "aria-hidden": "true" }, signs[shape]);
+  const mean = app.parts.headline.value.kept?.flights;
+  const kept = searchRows(flights).some((row) => isTuned(flights, row));
+  return [
+    ...all.filter((kind) => occurring.has(kind.name)).map((kind) => h("span", {}, sign(kind.shape), `${occurring.get(kind.name)} ${kind.name}`)),
+    ...(kept ? [h("span", {}, sign("halo"), app.parts.headline.value.state === "running" ? "tuned: the one that is kept so far" : "tuned: the one that was kept")] : []),
+    ...(mean ? [h("span", {}, h("b", { class: "sign grey", "aria-hidden": "true" }, "┄"), `tuned, ${meanOf(mean)}`)] : []),
+    ...(flights.chain ? [acceptance()] : []),
+  ];
 }
+
+/** What colours mean where a tuner is a chain. */
+export const acceptance = (): HTMLElement => h("span", {}, h("b", { class: "sign disc" }, "blue"), "accepted by the chain, ", h("b", { class: "sign grey" }, "grey"), "not accepted");
 
 /** Writes the values of the flight below the pointer. */
 function listen(app: App, said: HTMLElement): (plot: uPlot) => void {
@@ -117,10 +136,12 @@ function listen(app: App, said: HTMLElement): (plot: uPlot) => void {
 }
 
 function readout(flights: Flights, row: number, segments: readonly string[]): string {
-  const kind = flights.stream[row] === SEARCH ? (flights.accepted[row] ? "accepted" : "rejected") : "re-flight";
-  const failed = segments[flights.failed_segment[row]];
-  const parts = [kind, `${percent(flights.completion.values[row])} of the gates`, `${flights.cost_name.replace(/ \[.*/, "")} ${digits(flights.cost.values[row])}`];
-  if (failed !== undefined) parts.push(`failed in segment ${failed}`);
+  const search = flights.stream[row] === SEARCH;
+  const missed = segments[flights.failed_segment[row]];
+  const verdict = flights.verdicts[flights.succeeded[row] ? 0 : 1];
+  const chain = search && flights.chain ? [flights.accepted[row] ? "accepted" : "not accepted"] : [];
+  const parts = [`${search ? "" : "re-flight, "}${verdict}`, ...chain, ...(isTuned(flights, row) ? ["tuned"] : []), `${percent(flights.completion.values[row])} of the gates`, `${flights.cost_name.replace(/ \[.*/, "")} ${digits(flights.cost.values[row])}`];
+  if (missed !== undefined) parts.push(`missed a gate in segment ${missed}`);
   return `Flight ${flights.number.values[row]}: ${parts.join(", ")}`;
 }
 

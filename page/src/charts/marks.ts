@@ -35,7 +35,12 @@ export function level(plot: uPlot, pen: CanvasRenderingContext2D, value: number,
   pen.fillStyle = colours.quiet;
   pen.textAlign = "right";
   pen.textBaseline = under ? "top" : "bottom";
-  pen.fillText(text, left + width - 3 * uPlot.pxRatio, y + (under ? 2 : -2) * uPlot.pxRatio);
+  const place = [text, left + width - 3 * uPlot.pxRatio, y + (under ? 2 : -2) * uPlot.pxRatio] as const;
+  pen.strokeStyle = colours.face; // around the letters, so that they can be read on lines and marks
+  pen.lineWidth = 3 * uPlot.pxRatio;
+  pen.lineJoin = "round";
+  pen.strokeText(...place);
+  pen.fillText(...place);
 }
 
 /** Gates as ticks on the axis, the lit segment as a band, the others as edges. */
@@ -61,13 +66,13 @@ export function scenario(plot: uPlot, pen: CanvasRenderingContext2D, track: Scen
   pen.stroke();
 }
 
-export type Shape = "disc" | "ring" | "diamond" | "cross";
+export type Shape = "disc" | "ring" | "diamond" | "cross" | "halo";
 
 /** One point of a scatter. */
 export function mark(pen: CanvasRenderingContext2D, shape: Shape, x: number, y: number, size: number, colour: string, face: string): void {
   pen.strokeStyle = colour;
   pen.fillStyle = shape === "ring" ? face : colour;
-  pen.lineWidth = Math.max(1, size * 0.4);
+  pen.lineWidth = shape === "halo" ? 1.5 * uPlot.pxRatio : Math.max(1, size * 0.4);
   pen.beginPath();
   if (shape === "cross") {
     pen.moveTo(x - size, y - size);
@@ -82,6 +87,6 @@ export function mark(pen: CanvasRenderingContext2D, shape: Shape, x: number, y: 
     for (const [dx, dy] of [[1.3, 0], [0, 1.3], [-1.3, 0]]) pen.lineTo(x + dx * size, y + dy * size);
     pen.closePath();
   } else pen.arc(x, y, size, 0, 2 * Math.PI);
-  pen.fill();
-  if (shape === "ring") pen.stroke();
+  if (shape !== "halo") pen.fill();
+  if (shape === "ring" || shape === "halo") pen.stroke();
 }

@@ -42,7 +42,7 @@ function error(app: App): Quantity {
     unit: "m",
     height: 190,
     of: (trace) => trace.error,
-    line: rule === "opening" ? undefined : { value: gate_distance, name: `a gate counts within ${digits(gate_distance)} m` },
+    line: rule === "opening" ? undefined : { value: gate_distance, name: `dots below: gate passed, within ${digits(gate_distance)} m of it` },
     most: 4 * gate_distance, // a flight that leaves would hide all others
   };
 }

@@ -6,6 +6,7 @@ import { card, h, renew } from "../dom";
 import { count, digits } from "../format";
 import { keepFitting } from "./frame";
 import { mark } from "./marks";
+import { acceptance } from "./convergence";
 import { segmentSwitch } from "../panels/segments";
 
 const CELL = 118;
@@ -25,7 +26,7 @@ export function samples(app: App): { readonly element: HTMLElement; readonly bui
     renew(body, said, canvas);
     const names = app.parts.scenario.value.segment_names;
     const segment = Math.min(app.chosen.value, names.length - 1);
-    said.replaceChildren(...keys(samples.value));
+    said.replaceChildren(...keys(samples.value, app.parts.headline.value.state === "running"));
     canvas.setAttribute("aria-label", `parameters tried in segment ${names[segment]}, each by itself and in pairs`);
     draw(canvas, samples.value, parameters.value, segment, palette(app.theme.value));
   };
@@ -36,15 +37,16 @@ export function samples(app: App): { readonly element: HTMLElement; readonly bui
   return { element: card("samples", "Parameters of the search flights", note, segmentSwitch(app, "samples"), body), build };
 }
 
-function keys(samples: Samples): HTMLElement[] {
+function keys(samples: Samples, running: boolean): HTMLElement[] {
   const rows = samples.parameters.shape[0];
+  const [passed, failed] = samples.verdicts;
   const total = samples.of > rows ? `${rows} of ${samples.of} search flights` : count(rows, "search flight");
   return [
     h("span", {}, `${total}: `),
-    h("span", {}, h("b", { class: "sign disc", "aria-hidden": "true" }, "●"), "accepted"),
-    h("span", {}, h("b", { class: "sign grey", "aria-hidden": "true" }, "○"), "rejected"),
-    h("span", {}, h("b", { class: "sign grey", "aria-hidden": "true" }, "×"), "failed"),
-    h("span", {}, h("b", { class: "sign", "aria-hidden": "true" }, "┼"), "tuned"),
+    h("span", {}, h("b", { class: "sign disc", "aria-hidden": "true" }, "●"), passed),
+    h("span", {}, h("b", { class: `sign ${samples.chain ? "disc" : "grey"}`, "aria-hidden": "true" }, "○"), failed),
+    h("span", {}, h("b", { class: "sign", "aria-hidden": "true" }, "┼"), running ? "tuned: the one that is kept so far" : "tuned: the one that was kept"),
+    ...(samples.chain ? [acceptance()] : []),
   ];
 }
 
@@ -100,32 +102,33 @@ function drawMarginal(pen: CanvasRenderingContext2D, values: readonly number[], 
   const counts = (wanted: boolean): number[] => {
     const bins = new Array<number>(BINS).fill(0);
     values.forEach((value, i) => {
-      if (Boolean(samples.accepted[i]) === wanted) bins[Math.min(BINS - 1, Math.max(0, Math.floor(value * BINS)))]++;
+      if (Boolean(samples.succeeded[i]) === wanted) bins[Math.min(BINS - 1, Math.max(0, Math.floor(value * BINS)))]++;
     });
-    const most = Math.max(...bins, 1);
-    return bins.map((number) => number / most);
+    return bins;
   };
+  const [failed, passed] = [counts(false), counts(true)];
+  const most = Math.max(...failed, ...passed, 1); // one scale for both
   const step = cell / BINS;
   pen.strokeStyle = colours.quiet;
   pen.beginPath();
-  counts(false).forEach((part, i) => {
-    const y = cell - part * cell * 0.85;
+  failed.forEach((part, i) => {
+    const y = cell - (part / most) * cell * 0.85;
     pen.lineTo(i * step, y);
     pen.lineTo((i + 1) * step, y);
   });
   pen.stroke();
   pen.fillStyle = colours.accent;
   pen.globalAlpha = 0.55;
-  counts(true).forEach((part, i) => pen.fillRect(i * step, cell - part * cell * 0.85, step, part * cell * 0.85));
+  passed.forEach((part, i) => pen.fillRect(i * step, cell - (part / most) * cell * 0.85, step, (part / most) * cell * 0.85));
   pen.globalAlpha = 1;
 }
 
 function drawPair(pen: CanvasRenderingContext2D, x: readonly number[], y: readonly number[], samples: Samples, cell: number, colours: Palette): void {
   const radius = cell < 60 ? 1.2 : x.length > 400 ? 1.5 : 2.2;
-  const rows = x.map((_, i) => i).sort((a, b) => samples.accepted[a] - samples.accepted[b]); // accepted ones on top
+  const rows = x.map((_, i) => i).sort((a, b) => samples.succeeded[a] - samples.succeeded[b]); // what passed on top
   for (const i of rows) {
-    const shape = samples.accepted[i] ? "disc" : samples.succeeded[i] ? "ring" : "cross";
-    mark(pen, shape, x[i] * cell, (1 - y[i]) * cell, radius, samples.accepted[i] ? colours.accent : colours.quiet, colours.face);
+    const lit = samples.chain ? samples.accepted[i] : samples.succeeded[i];
+    mark(pen, samples.succeeded[i] ? "disc" : "ring", x[i] * cell, (1 - y[i]) * cell, radius, lit ? colours.accent : colours.quiet, colours.face);
   }
 }
 
@@ -145,7 +148,7 @@ function drawTuned(pen: CanvasRenderingContext2D, x: number, y: number | null, c
 function drawNames(pen: CanvasRenderingContext2D, set: ParameterSet, size: number, cell: number, side: number, colours: Palette): void {
   for (let k = 0; k < size; k++) {
     const ends = [digits(set.low.values[k]), digits(set.high.values[k])];
-    const name = (set.symbols[k] ?? set.names[k]).replace(/^([A-Za-z])_/, cell < 60 ? "" : "$1 ").replaceAll("_", " ");
+    const name = (set.symbols[k] ?? set.names[k]).replaceAll("_", " ");
     pen.fillStyle = colours.quiet;
     pen.textBaseline = "top";
     pen.textAlign = "left";
@@ -156,11 +159,13 @@ function drawNames(pen: CanvasRenderingContext2D, set: ParameterSet, size: numbe
     if (k) {
       pen.fillText(ends[1], EDGE.left - 5, k * side + 7);
       pen.fillText(ends[0], EDGE.left - 5, k * side + cell - 6);
+    } else {
+      pen.fillText("count", EDGE.left - 5, cell - 6); // of a histogram, which has no axis of its own
     }
     pen.fillStyle = colours.ink;
     pen.textAlign = "center";
-    pen.fillText(name, EDGE.left + k * side + cell / 2, size * side + 18);
+    pen.fillText(name, EDGE.left + k * side + cell / 2, size * side + 18, side - 2);
     pen.textAlign = "right";
-    if (k && cell >= 60) pen.fillText(name.split(" ").slice(1).join(" ") || name, EDGE.left - 5, k * side + cell / 2);
+    pen.fillText(name, EDGE.left - 5, k * side + cell / 2, EDGE.left - 6);
   }
 }

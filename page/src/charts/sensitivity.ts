@@ -3,7 +3,7 @@ import type { App } from "../app";
 import type { ParameterSet, Sensitivity } from "../data";
 import { row, type Table } from "../table";
 import { card, h, renew, s } from "../dom";
-import { digits, percent, symbol } from "../format";
+import { FLOWN_LATER, digits, percent, symbol } from "../format";
 
 const WIDTH = 190;
 const HEIGHT = 110;
@@ -30,7 +30,7 @@ export function sensitivity(app: App): { readonly element: HTMLElement; readonly
   const note = element.querySelector(".note");
   const build = (): void => {
     const { sensitivity: flown, parameters } = app.parts;
-    if (!flown.value || !parameters.value) return renew(body, "Not flown.");
+    if (!flown.value || !parameters.value) return renew(body, app.parts.headline.value.state === "running" ? FLOWN_LATER : "Not flown.");
     const [known, set] = [flown.value, parameters.value];
     const measure = measureOf(known);
     const order = set.names.map((_, k) => k).sort((a, b) => change(known, measure, b).loss - change(known, measure, a).loss);

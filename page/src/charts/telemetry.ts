@@ -6,8 +6,10 @@ import { CHOICES } from "./quantities";
 import { TimeChart } from "./timechart";
 import { zoomSwitch } from "./zoomswitch";
 
+const MOUSE = "Point at a chart to move the drone; drag across it to zoom, with shift to pan.";
+const TOUCH = "Touch a chart to move the drone; two fingers zoom, and the buttons zoom and pan.";
 const NOTE =
-  "Point at a chart to move the drone; drag across it to zoom, with shift to pan. Ticks: gates; dots: distance from each gate as it is judged, red crosses: too far, or where a flight failed; thin grey lines: the plan; grey areas: beyond the limits. Nothing is smoothed.";
+  " Ticks: gates; lines of the tracking error: distance from the plan; its dots: distance from each gate as it is judged, red crosses: too far, or where a flight failed; thin grey lines: the plan; grey areas: beyond the limits. Nothing is smoothed.";
 
 /** The card with all charts over time. */
 export function telemetry(app: App): { readonly element: HTMLElement; readonly build: () => void } {
@@ -26,7 +28,7 @@ export function telemetry(app: App): { readonly element: HTMLElement; readonly b
   for (const { chart } of charts) chart.element.hidden = true;
   app.signals.after(build);
   app.parts.traces.after(build);
-  const element = card("telemetry", "Telemetry", NOTE, empty, columns);
+  const element = card("telemetry", "Telemetry", [h("span", { class: "by-mouse" }, MOUSE), h("span", { class: "by-touch" }, TOUCH), NOTE], empty, columns);
   element.querySelector("header")?.append(axisSwitch(app), zoomSwitch(app), chooser(app));
   return { element, build };
 }

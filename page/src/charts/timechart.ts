@@ -21,7 +21,7 @@ export interface Quantity {
   readonly column?: number;
   readonly reference?: Table;
   readonly limits?: readonly [number | null, number | null];
-  /** A level that decides, such as the distance within which a gate is passed, with its name. */
+  /** A level that decides about the dots, not about the lines: the distance within which a gate is passed, with its name. */
   readonly line?: { readonly value: number; readonly name: string };
   readonly most?: number;
   /** Least and largest value of the axis, whatever is drawn. */
@@ -105,7 +105,7 @@ export class TimeChart {
         drawScenario(plot, pen, track, at, app.lit.value, colours);
       },
       above: (plot, pen) => {
-        if (quantity.line) level(plot, pen, quantity.line.value, quantity.line.name, colours);
+        if (quantity.line) level(plot, pen, quantity.line.value, quantity.line.name, colours, false, true);
         const [low, high] = quantity.limits ?? [null, null];
         if (high !== null) level(plot, pen, high, `limit ${low === -high ? "±" : ""}${digits(high)}`, colours);
         if (low !== null && low !== 0) level(plot, pen, low, "", colours);

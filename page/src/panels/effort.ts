@@ -18,7 +18,7 @@ interface Measure {
 const MEASURES: readonly Measure[] = [
   { name: "change of thrust command [m/s³]", of: (effort) => effort.thrust_activity, write: (effort) => digits(effort.thrust_activity) },
   { name: "change of rate command [rad/s²]", of: (effort) => effort.rate_activity, write: (effort) => digits(effort.rate_activity) },
-  { name: "time at a limit", of: (effort) => effort.saturated, write: (effort) => percent(effort.saturated) },
+  { name: "time at a limit", of: (effort) => effort.saturated, write: (effort) => exact(effort.saturated) },
   { name: "power of the rate command above 3 Hz", of: (effort) => effort.oscillation?.share ?? null, write: oscillation },
 ];
 
@@ -53,7 +53,14 @@ function cell(text: string, values: readonly (number | null)[], i: number): HTML
 function oscillation(effort: EffortNumbers): string {
   const { share, frequency } = effort.oscillation ?? { share: null, frequency: null };
   if (share === null) return "–";
-  return frequency === null ? percent(share) : `${percent(share)}, peak ${digits(frequency, 2)} Hz`;
+  return frequency === null ? exact(share) : `${exact(share)}, peak ${digits(frequency, 2)} Hz`;
+}
+
+/** A share with two significant digits, as small ones are what its bars compare. */
+function exact(share: number | null): string {
+  if (share === null) return "–";
+  const rounded = Number((100 * share).toPrecision(2));
+  return share > 0 && rounded < 0.0001 ? "<0.0001 %" : `${digits(rounded, 2)} %`;
 }
 
 /** How fast the rate command of the first flight changes, compared with the plan and the other flights. */

@@ -25,14 +25,14 @@ function title(summary: Headline): HTMLElement {
   const mistaken = (summary.mistaken ?? []).map((name) => name.replaceAll("_", " ")).join(", ");
   const vehicle = [summary.vehicle, latency(summary.latency_unknown ?? 0)];
   const work = workOf(summary);
-  const time = summary.wall_time === null ? "" : `, ${summary.wall_time < 100 ? summary.wall_time.toFixed(1) : Math.round(summary.wall_time)} s`;
+  const time = summary.wall_time === null ? "" : `; search time ${summary.wall_time < 100 ? summary.wall_time.toFixed(1) : Math.round(summary.wall_time)} s`;
   return h(
     "div",
     { class: "title" },
     h("h1", {}, summary.race),
     h("p", {}, vehicle.filter(Boolean).join(" + ")),
     mistaken ? h("p", { class: "quiet" }, `the controller's model differs from the vehicle in: ${mistaken}`) : null,
-    h("p", { class: "quiet" }, `${work}${time} by ${summary.tuner.replace(/:default$/, "").replaceAll("_", " ")}; goal ${summary.goal}; seed ${summary.seed}`),
+    h("p", { class: "quiet" }, `${work} by ${summary.tuner.replace(/:default$/, "").replaceAll("_", " ")}${time}; goal ${summary.goal}; seed ${summary.seed}`),
     summary.remark ? h("p", { class: "quiet" }, summary.remark) : null,
   );
 }
@@ -58,7 +58,7 @@ function latency(unknown: number): string {
 
 function facts(summary: Headline): HTMLElement[] {
   const plan = summary.planned_lap_time === null ? "" : `plan ${seconds(summary.planned_lap_time)}`;
-  const laps = summary.lap_time === null ? "no flight passed every gate" : failed(summary) ? "of the few flights that passed every gate" : "";
+  const laps = summary.lap_time === null ? "no flight passed every gate" : failed(summary) ? "of the flights that passed every gate" : "";
   const { validation } = summary;
   return [
     fact("lap time", seconds(summary.lap_time), [laps, plan].filter(Boolean).join("; ")),

@@ -2,7 +2,7 @@
 import type { App } from "../app";
 import type { Cause, Interval, Margin, Robustness } from "../data";
 import { card, h, renew, s } from "../dom";
-import { interval, percent } from "../format";
+import { FLOWN_LATER, interval, percent } from "../format";
 import { failed } from "./verdict";
 
 const WIDTH = 120;
@@ -17,7 +17,7 @@ export function robustness(app: App): HTMLElement {
   };
   app.parts.headline.after(advise);
   app.parts.advice.watch(advise);
-  app.parts.robustness.watch((rows) => renew(body, rows.length ? table(rows) : "Not flown: the simulator takes no other vehicle, or the study is still running."));
+  app.parts.robustness.watch((rows) => renew(body, rows.length ? table(rows) : app.parts.headline.value.state === "running" ? FLOWN_LATER : "Not flown: the simulator takes no other vehicle."));
   return card("robustness", "Robustness", "Will it hold? Success rate of the tuned parameters when vehicle, wind or noise differ from those they were tuned with; whiskers: 95 % interval; ×: thrust that is there over thrust that is needed.", body, advice);
 }
 

@@ -40,7 +40,7 @@ function window(app: App): HTMLElement {
 }
 
 function band(app: App, segment: number, left: string, width: string, name: string): HTMLElement {
-  const element = h("div", { class: "band", "data-segment": segment, style: `left:${left};width:${width}`, title: `segment ${name}` }, h("span", {}, name));
+  const element = h("div", { class: "band", "data-segment": segment, style: `left:${left};width:${width}`, title: `segment ${name}` }, h("span", {}, ...name.split(" ").map((word) => h("b", {}, word))));
   element.addEventListener("pointerenter", () => (app.pointed.value = segment));
   element.addEventListener("pointerleave", () => (app.pointed.value = null));
   element.addEventListener("click", () => app.choose(segment));

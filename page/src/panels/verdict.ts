@@ -38,7 +38,7 @@ export const meanOf = (flights: number): string => (flights === 1 ? "in one flig
 function reasons(app: App): string[] {
   const tuned = app.parts.repeats.value.find((repeat) => repeat.id === "best");
   const causes = app.parts.robustness.value[0]?.causes ?? [];
-  return [...(tuned ? [ended(tuned)] : []), ...causes.map((cause) => `${cause.cause}: ${cause.found}`), ...(causes.length ? [] : [unknown(app)])];
+  return [...(tuned ? [ended(tuned, app.parts.headline.value.goal)] : []), ...causes.map((cause) => `${cause.cause}: ${cause.found}`), ...(causes.length ? [] : [unknown(app)])];
 }
 
 /** Where no cause is told. */
@@ -46,8 +46,9 @@ function unknown(app: App): string {
   return app.parts.robustness.value.length ? "no single cause was found" : "causes were not looked for: this simulator takes no other vehicle, or is slow";
 }
 
-function ended(tuned: Repeat): string {
+function ended(tuned: Repeat, goal: string): string {
   const lost = tuned.flights - tuned.complete;
+  if (lost === 0) return `all ${tuned.flights} new flights with the tuned parameters passed every gate, but the goal (${goal}) asks for more`;
   return `${lost} of ${tuned.flights} new flights with the tuned parameters did not pass every gate: ${endingsOf(tuned)}`;
 }
 

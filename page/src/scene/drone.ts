@@ -1,5 +1,5 @@
 /** Drone: rotors where the vehicle has them, with a bar for the thrust of each; the nose points forward. Lengths in arms. */
-import { BoxGeometry, type BufferGeometry, CircleGeometry, ConeGeometry, CylinderGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, Quaternion, RingGeometry } from "three";
+import { BoxGeometry, type BufferGeometry, CircleGeometry, ConeGeometry, CylinderGeometry, DoubleSide, Group, Mesh, MeshBasicMaterial, Quaternion, RingGeometry, type Sprite } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import type { Palette } from "../colours";
 import type { Scenario, Trace } from "../data";
@@ -17,6 +17,8 @@ export class Drone {
   private readonly body = new Group();
   private readonly bars: Mesh[];
   private readonly full: number;
+  /** Of a flight beside the first. */
+  readonly name: Sprite | null;
 
   constructor(
     scenario: Scenario,
@@ -38,7 +40,8 @@ export class Drone {
     this.bars = places.map(([x, y]) => at(new Mesh(bar, paint), x, y));
     this.body.add(new Mesh(skeleton(places), frame), new Mesh(mergeGeometries([...rims, nose()]), paint), new Mesh(mergeGeometries(discs), haze), ...this.bars);
     this.group.add(this.body);
-    if (ghost) this.group.add(label(trace.label, colour, palette.face, -1.7));
+    this.name = ghost ? label(trace.label, colour, palette.face, -1.7) : null;
+    if (this.name) this.group.add(this.name);
   }
 
   /** Moves to position and attitude of the flight at a time [s]. */

@@ -1,17 +1,17 @@
 /** Gates: openings as they are, else rings with the radius within which a gate is passed, normal to the reference; with their numbers. */
-import { Group, type PerspectiveCamera, type Sprite, Vector3 } from "three";
+import { Group, type Sprite, Vector3 } from "three";
 import type { Palette } from "../colours";
 import type { Scenario } from "../data";
 import { row } from "../table";
 import { between, find } from "../flight";
 import { runs } from "../format";
 import { circle } from "./circle";
+import type { Label } from "./labels";
 import { type Ribbon, ribbon, ribbons } from "./lines";
 import { Opening } from "./opening";
 import { label } from "./sprites";
 
 const NEAR = 0.5; // m, of gates that count as one place
-const ROOM = 0.042; // of the height of the view, that a number takes
 
 export class Gates {
   readonly group = new Group();
@@ -48,20 +48,11 @@ export class Gates {
     for (const { sprite, opening } of this.numbers) if (opening) sprite.position.z = opening.above;
   }
 
-  /** Hides numbers that would cover others: the next gates come first, then those that are near. */
-  declutter(camera: PerspectiveCamera, time: number): void {
+  /** The numbers; the next gates come first. */
+  labels(time: number): Label[] {
     const next = this.scenario.gate_times.values.findIndex((gate) => gate >= time);
-    const seen = this.numbers.map(({ sprite, gates }) => {
-      const soon = gates.some((gate) => gate === next) ? 0 : gates.some((gate) => gate === next + 1) ? 1 : 2;
-      return { sprite, soon, far: camera.position.distanceTo(sprite.position), at: sprite.position.clone().project(camera) };
-    });
-    seen.sort((a, b) => a.soon - b.soon || a.far - b.far);
-    const taken: { readonly x: number; readonly y: number; readonly half: number }[] = [];
-    for (const { sprite, at } of seen) {
-      const box = { x: (at.x / 2) * camera.aspect, y: at.y / 2, half: (sprite.scale.x * ROOM) / sprite.scale.y / 2 };
-      sprite.visible = at.z < 1 && taken.every(({ x, y, half }) => Math.abs(x - box.x) > half + box.half || Math.abs(y - box.y) > ROOM);
-      if (sprite.visible) taken.push(box);
-    }
+    const rank = (gates: readonly number[]): number => (gates.some((gate) => gate === next) ? 1 : gates.some((gate) => gate === next + 1) ? 2 : 3);
+    return this.numbers.map(({ sprite, gates }) => ({ sprite, rank: rank(gates), moves: false }));
   }
 
   private number(members: readonly number[], palette: Palette): void {

@@ -9,6 +9,7 @@ import { Cameras } from "./cameras";
 import { armOf, Drone } from "./drone";
 import { Gates } from "./gates";
 import { obstacles } from "./obstacles";
+import { type Box, placeLabels } from "./labels";
 import { crosses } from "./sprites";
 import { Trail } from "./trail";
 import { View } from "./view";
@@ -24,6 +25,8 @@ export class TrackScene {
   private backdrop!: Backdrop;
   private gates!: Gates;
   private drones: Drone[] = [];
+  /** Texts that are seen. */
+  labels: readonly Box[] = [];
   private trails: { readonly id: string; readonly trail: Trail }[] = [];
 
   /** @throws Error where there is no WebGL. */
@@ -99,12 +102,14 @@ export class TrackScene {
     this.backdrop.light(this.app.lit.value);
     this.cameras.update(time, this.drones[0]?.group.position ?? null);
     this.gates.resize((place) => this.cameras.metres(place, GATE, this.view.height));
-    this.gates.declutter(this.cameras.camera, time);
     const least = armOf(this.app.parts.scenario.value.rotors);
     for (const drone of this.drones) {
       const pixels = this.app.camera.value === "follow" ? FOLLOWED : DRONE;
       drone.resize(Math.max(least, this.cameras.metres(drone.group.position, pixels, this.view.height)));
     }
+    this.content.updateMatrixWorld();
+    const names = this.drones.flatMap(({ name }) => (name ? [{ sprite: name, rank: 0, moves: true }] : []));
+    this.labels = placeLabels([...names, ...this.gates.labels(time)], this.cameras.camera);
     return this.cameras.camera;
   }
 }

@@ -211,7 +211,7 @@ def _write(folder: Path, runs: Sequence[Run], asked: Asked) -> tuple[Path, ...]:
     """The tables and pictures."""
     both = overall(runs), rows_of(runs)
     tables = [*map(cells_of, both), *filter(None, [paired_cells(paired(runs)), *map(held_cells_of, both)])]
-    (folder / TABLE).write_text("\n".join(map(markdown, tables)), encoding="utf-8")
+    replace(folder / TABLE, "\n".join(map(markdown, tables)))
     from hotlap.report.comparison import draw_comparison  # noqa: PLC0415  matplotlib takes half a second to load
 
     try:

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.system.regular_files import MISSING, oddity
+from hotlap.system.text_files import cause_of
 
 Name = TypeVar("Name", bound=StrEnum)
 
@@ -72,5 +74,11 @@ def check_source(path: Path | None) -> None:
     Raises:
         InputError: with the file and the reason.
     """
-    if path is not None and not path.is_file():
-        raise InputError(str(path), "", "is a folder, not a file" if path.is_dir() else "there is no such file")
+    if path is None:
+        return
+    try:
+        reason = oddity(path) or ("" if path.exists() else MISSING)
+    except (OSError, ValueError) as error:
+        reason = f"cannot be read: {cause_of(error)}"
+    if reason:
+        raise InputError(str(path), "", reason)

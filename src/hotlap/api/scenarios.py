@@ -23,6 +23,7 @@ from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.study.database import is_begun
+from hotlap.system.regular_files import is_there
 from hotlap.worlds.stepped import Stepped
 from hotlap.worlds.world import World
 
@@ -70,7 +71,7 @@ def planned_as(race: Race, parameters: Any) -> Race:
         InputError: they cannot be read.
     """
     given = isinstance(parameters, str | Path) and str(parameters) not in NAMES and Path(parameters).suffix != TRAINING
-    if not given or not race.planning.free or not Path(parameters).exists():
+    if not given or not race.planning.free or not is_there(Path(parameters)):
         return race
     saved = load_parameters(parameters)
     share = saved.provenance.get(CHOSEN_SHARE)
@@ -136,7 +137,7 @@ def check_guess(text: str) -> None:
     if text in NAMES:
         return
     path = Path(text)
-    if not path.suffix and not path.exists():
+    if not path.suffix and not is_there(path):
         raise UnknownNameError("first guess", text, NAMES, key="first_guess")
     if path.suffix == TRAINING:
         load_training_set(path)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 import shutil
+import sys
 from argparse import Namespace
+from collections.abc import Sequence
 
 from rich.text import Text
 
@@ -14,6 +17,7 @@ from hotlap.api.checking import check
 from hotlap.api.tuning import tune
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import present, table
+from hotlap.cli.parser import wrapped
 from hotlap.cli.progress import TERMINAL
 from hotlap.feasibility.finding import Finding, Level
 from hotlap.files.descriptions import Kind
@@ -29,12 +33,33 @@ def run(options: Namespace) -> int:
     """Say it; a warning is a finding, not a failure."""
     checked = check(**arguments_of(check, options), progress=TERMINAL)
     findings = checked.findings
-    cells = table([(finding.label, _value(finding), finding.remark) for finding in findings], indent="  ")
-    styled = (Text(line, style=STYLES[finding.level]) for line, finding in zip(cells, findings, strict=True))
+    cells = wrap_remarks([(finding.label, _value(finding), finding.remark) for finding in findings], _columns())
+    styled = (Text(line, style=STYLES[finding.level]) for lines, finding in zip(cells, findings, strict=True) for line in lines)
     title, further = Text(f"{checked.kind} {checked.description.name}", style="bold"), f"next: {_next(checked, options)}"
     lines = [title, *styled, *_picture(checked), further]
     present(as_json=options.json, document=checked.to_dict(), lines=lines)
     return 0
+
+
+def wrap_remarks(rows: Sequence[tuple[str, str, str]], columns: int | None) -> list[list[str]]:
+    """The lines of each row: label, value and remark as columns; where these are too wide, each remark goes on from its value.
+
+    Args:
+        rows: cells.
+        columns: of the terminal; None: however many it takes.
+    """
+    whole = table(rows, indent="  ")
+    if columns is None or max(map(len, whole), default=0) <= columns:
+        return [[line] for line in whole]
+    room = max(len(label) for label, _, _ in rows)
+    first = [f"  {label:<{room}}  {value}{'  ' * bool(remark)}" for label, value, remark in rows]
+    lines = (wrapped(remark, columns, " " * (room + 4), start).splitlines() for start, (_, _, remark) in zip(first, rows, strict=True))
+    return [found or [start] for found, start in zip(lines, first, strict=True)]
+
+
+def _columns() -> int | None:
+    """Of the terminal, or as `COLUMNS` says; None where neither is there, so that each finding stays on one line."""
+    return shutil.get_terminal_size().columns if "COLUMNS" in os.environ or sys.stdout.isatty() else None
 
 
 def _picture(checked: CheckedFile) -> list[str]:

@@ -8,16 +8,15 @@ import shlex
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from importlib import import_module
-from pathlib import Path
 
 from hotlap.cli.arguments import COMMANDS, module_of, overview
 from hotlap.cli.failures import complain, drop_output, print_json, wants_json
 from hotlap.cli.log import LOG, logged
 from hotlap.cli.parser import HELP
 from hotlap.cli.stopping import Stopped, stopped_by_signals
-from hotlap.core.errors import HotlapError, InputError, UnknownNameError
+from hotlap.core.errors import HotlapError, InputError, StorageError, UnknownNameError
+from hotlap.core.own_code import OwnCode
 from hotlap.core.platforms import unsupported
 from hotlap.core.version import __version__
 from hotlap.system.blas_threads import one_thread
@@ -41,7 +40,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     gc.set_threshold(ALLOCATIONS)
     one_thread()
-    _look_here()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal without our characters is no reason to fail
@@ -52,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
             return status
     except HotlapError as error:
-        status = BAD_INPUT if isinstance(error, InputError) else FAILURE
+        status = FAILURE if isinstance(error, StorageError) or not isinstance(error, InputError) else BAD_INPUT
         if wants_json(arguments):
             print_json(error, status)
         return complain(str(error), status)
@@ -98,14 +96,6 @@ def _run(arguments: list[str]) -> int:
             raise parser.as_option(error) from error
 
 
-def _look_here() -> None:
-    """Let tuners of the user's own be found in the working folder, `--tuner my_module.MyTuner`; last, so that it hides nothing."""
-    with suppress(OSError):
-        here = str(Path.cwd())
-        if here not in sys.path:
-            sys.path.append(here)
-
-
 def _show_each_once() -> Callable[..., None]:
     """Shows a warning as one line, without the place in the code that it came from; the same words are shown once."""
     said: set[str] = set()
@@ -114,6 +104,6 @@ def _show_each_once() -> Callable[..., None]:
         if str(message) not in said:
             LOG.warning("%s", message)
             said.add(str(message))
-            sys.stderr.write(f"hotlap: warning: {message}\n")
+            sys.stderr.write(f"hotlap: {'' if isinstance(message, OwnCode) else 'warning: '}{message}\n")
 
     return show

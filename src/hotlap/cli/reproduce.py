@@ -7,6 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
+from hotlap.analysis.comparison import RunJournal
 from hotlap.analysis.resumable import ResumableJobs
 from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
@@ -14,8 +15,9 @@ from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
 from hotlap.core.errors import InputError, StudyError
 from hotlap.race.controllers import ControllerKind
-from hotlap.report.article import Article
+from hotlap.report.article import Article, Heading, Paragraph
 from hotlap.reproduce.experiments import EXPERIMENTS, UnavailableError, perform
+from hotlap.system.journal import Journal
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
@@ -42,7 +44,8 @@ def run(options: Namespace) -> int:
                     raise
                 note(f"note: {name} is left out: {error}")
                 continue
-            paths = _write(jobs.folder, page)
+            again = shlex.join(["hotlap", "reproduce", name, *["--quick"] * options.quick, "--out", str(folder)])
+            paths = _write(jobs.folder, page, again)
             pages.append((name, page, paths))
     document = {"experiments": {name: _dump(page, paths) for name, page, paths in pages}}
     lines = [line for _, page, paths in pages for line in (page.title, *(f"  {one}" for one in (*paths, *page.pictures)))]
@@ -50,10 +53,13 @@ def run(options: Namespace) -> int:
     return 0
 
 
-def _write(folder: Path, page: Article) -> tuple[Path, Path]:
-    """The page in both its forms."""
+def _write(folder: Path, page: Article, command: str) -> tuple[Path, Path]:
+    """The page in both its forms; in HTML with the command that does it again and the runs behind it."""
     paths = folder / PAGE, folder / WEB
-    for path, content in zip(paths, (page.markdown, page.html), strict=True):
+    kept = [file for file in (RunJournal.file, Journal.file) if (folder / file).is_file()]
+    end = [Heading("Run it again"), Paragraph(f"`{command}`")]
+    web = Article(page.title, [*page.parts, *end], next(iter(kept), ""), page.style, page.script)
+    for path, content in zip(paths, (page.markdown, web.html), strict=True):
         replace(path, content)
     return paths
 

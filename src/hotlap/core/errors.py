@@ -66,3 +66,7 @@ class PlanningError(HotlapError):
 
 class StudyError(InputError):
     """A study folder cannot be used as asked: another configuration, another process, another version."""
+
+
+class StorageError(StudyError):
+    """The disk is full, or it fails: nothing that a user gave is at fault, and the work has failed."""

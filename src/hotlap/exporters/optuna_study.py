@@ -14,7 +14,7 @@ from hotlap.core.seeds import Stream
 from hotlap.core.version import __version__
 from hotlap.exporters.flown_with import flown_with
 from hotlap.study.study import Study
-from hotlap.system.text_files import written_whole
+from hotlap.system.whole_files import written_whole
 
 if TYPE_CHECKING:
     from optuna.storages import RDBStorage
@@ -34,13 +34,11 @@ def write(study: Study, path: Path) -> tuple[Path, ...]:
     except ImportError:
         raise InputError("", "format", MISSING) from None
     try:
-        with written_whole(path) as part:
-            part.unlink(missing_ok=True)
-            with _storage(part) as storage:
-                made = optuna.create_study(storage=storage, study_name=_name(study), direction="minimize")
-                for key, value in _remarks(study).items():
-                    made.set_user_attr(key, value)
-                made.add_trials(trials(study))
+        with written_whole(path) as part, _storage(part) as storage:
+            made = optuna.create_study(storage=storage, study_name=_name(study), direction="minimize")
+            for key, value in _remarks(study).items():
+                made.set_user_attr(key, value)
+            made.add_trials(trials(study))
     except optuna.exceptions.StorageInternalError as error:
         raise InputError(str(path), "", f"cannot be written: {error}") from None
     return (path,)

@@ -29,6 +29,7 @@ from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.race.schema import Described
 from hotlap.race.track import Track
+from hotlap.system.regular_files import is_there, oddity
 from hotlap.system.text_files import cause_of, replace
 
 Description = Track | Quadrotor | Race
@@ -134,13 +135,7 @@ def load_parameters(path: str | Path) -> SavedParameters:
         InputError: with the file, the key and the reason.
     """
     path = Path(path)
-    try:
-        path = path / PARAMETERS_FILE if path.is_dir() else path
-        present = path.exists()
-    except OSError as error:
-        raise InputError(str(path), "", f"cannot be read: {cause_of(error)}") from None
-    if not present:
-        raise InputError(str(path), "", "there is no such file")
+    path = path / PARAMETERS_FILE if is_there(path) and path.is_dir() else path
     table = read(path, str(path))
     refuse_description(table, str(path))
     return SavedParameters.from_table(table, str(path))
@@ -203,8 +198,11 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
         found = next((path for path in candidates if path.exists()), None)
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(place.label, key, f"{show(reference)} is no usable path: {cause_of(error)}") from None
+    odd = _oddity(found) if found is not None and place.label else ""
+    if odd:
+        raise InputError(place.label, key, f"{show(reference)} {odd}")
     looks_like_path = "/" in reference or "\\" in reference or reference.lower().endswith((".toml", *ELSEWHERE))
-    has_ending = any(path.with_name(path.name + ".toml").is_file() for path in candidates if path.name)
+    has_ending = any(is_there(path.with_name(path.name + ".toml")) for path in candidates if path.name)
     if found is not None and (looks_like_path or found.is_file() or not has_ending):
         return found
     if not looks_like_path:
@@ -215,6 +213,13 @@ def _find(kind: str, reference: str, known: Any, place: _Place, key: str) -> Pat
     if place.label:
         raise InputError(place.label, key, f"there is no file {' or '.join(str(path) for path in candidates)}{hint}")
     raise InputError(reference, "", f"there is no such file{hint}")
+
+
+def _oddity(path: Path) -> str:
+    """What stands in the place of a file that another one names; "" where it is one, or cannot be told."""
+    with suppress(OSError, ValueError):
+        return oddity(path)
+    return ""
 
 
 def _meant(path: Path, known: Any) -> str:

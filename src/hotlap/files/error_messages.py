@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
+import numpy as np
 from pydantic import ValidationError
 
 from hotlap.core.errors import InputError
@@ -21,6 +22,7 @@ Location = tuple[int | str, ...]
 
 D = TypeVar("D", bound=Described)
 
+MOST_FAULTS = 200  # that are looked at
 UNIT_NAMES = tuple(name for name, _ in UNITS.values())
 _KEYED = re.compile(r"(?P<key>[A-Za-z_]\w*(?:\[\d+\])?(?:\.\w+)*): (?P<reason>.*)", re.DOTALL)
 
@@ -55,7 +57,8 @@ def check(description: type[D], table: Mapping[str, Any], source: str, prefix: s
         InputError: the first fault of the table, with its key, and how many more there are.
     """
     try:  # as JSON: strict about types, yet lists may stand for tuples and names for enumerations
-        checked = description.model_validate_json(json.dumps(table, default=_encode), strict=True)
+        with np.errstate(all="ignore"):  # numbers out of all bounds are refused, and need no warning beside that
+            checked = description.model_validate_json(json.dumps(table, default=_encode), strict=True)
     except ValidationError as error:
         raise _refuse(error, description, source, prefix) from None
     refuse_degrees(checked, source, prefix)
@@ -92,14 +95,17 @@ def _encode(value: Any) -> Any:
 def _refuse(error: ValidationError, description: type[Described], source: str, prefix: str) -> InputError:
     """The error for the first fault, with the number of further faults."""
     faults: list[tuple[str, str]] = []
-    found = error.errors(include_url=False)
-    for fault in sorted(found, key=lambda fault: fault["type"] != "extra_forbidden"):  # a misspelt key explains a missing one
+    found = sorted(
+        error.errors(include_url=False), key=lambda fault: fault["type"] != "extra_forbidden"
+    )  # a misspelt key explains a missing one
+    least, found = "at least " if len(found) > MOST_FAULTS else "", found[:MOST_FAULTS]
+    for fault in found:
         key, reason = _word(dict(fault), [other["loc"] for other in found], description)
         if key not in {known for known, _ in faults} and not _follows(fault["loc"], fault["type"], found):
             faults.append((key, reason))
     key, reason = faults[0]
     more = len(faults) - 1
-    also = f" (and {more} more fault{'s' if more > 1 else ''}: {', '.join(key for key, _ in faults[1:4])})" if more else ""
+    also = f" (and {least}{more} more fault{'s' if more > 1 else ''}: {', '.join(key for key, _ in faults[1:4])})" if more else ""
     return InputError(source, ".".join(part for part in (prefix, key) if part), reason + also)
 
 

@@ -7,6 +7,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from hotlap.core.errors import InputError
+from hotlap.system.regular_files import is_there
 
 SUITES: Mapping[str, tuple[str, ...]] = {
     "all": ("*",),
@@ -44,4 +45,4 @@ def expand(words: Iterable[str], known: Sequence[str], kind: str, suites: Mappin
 
 def is_pattern(word: str) -> bool:
     """Whether a word is a pattern, and not the name of a file that has such characters."""
-    return any(mark in word for mark in "*?[") and not Path(word).exists()
+    return any(mark in word for mark in "*?[") and not is_there(Path(word))

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from hotlap.core.errors import InputError
-from hotlap.files.bounds import keep_bounds
-from hotlap.system.text_files import cause_of
+from hotlap.files.bounds import DEEPEST, deep_key, keep_bounds
+from hotlap.system.regular_files import is_there, read_text
 
 MAX_BYTES = 1_000_000  # a description takes a few thousand
 STUDY = "parameters.toml"  # what the folder of a study has
@@ -32,25 +32,26 @@ def read(path: Path | Traversable, label: str) -> dict[str, Any]:
     Raises:
         InputError: when it cannot be read, or is no TOML.
     """
+    if isinstance(path, Path) and is_there(path / STUDY):
+        raise InputError(label, "", "is the folder of a study, not a file: give the race, and this folder with parameters=...")
+    text = read_text(path, MAX_BYTES, label=label) if isinstance(path, Path) else path.read_text(encoding="utf-8")
     try:
-        if not path.is_file():
-            raise InputError(label, "", _folder(path) if path.is_dir() else "is not a file of text")
-        content = path.read_bytes() if not isinstance(path, Path) or path.stat().st_size <= MAX_BYTES else None
-        if content is None:
-            raise InputError(label, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is not a description")
-        return keep_bounds(tomllib.loads(content.decode("utf-8-sig")), label)
-    except UnicodeDecodeError as error:
-        raise InputError(label, "", f"is not UTF-8 text (byte {error.start + 1})") from None
-    except RecursionError:
-        raise InputError(label, "", "is not valid TOML: nested too deeply") from None
-    except OSError as error:
-        raise InputError(label, "", f"cannot be read: {cause_of(error)}") from None
+        return parse(text, label)
     except ValueError as error:
         raise InputError(label, "", ELSEWHERE.get(Path(path.name).suffix.lower()) or f"is not valid TOML: {error}") from None
 
 
-def _folder(path: Path | Traversable) -> str:
-    """What a folder is, where a file was expected."""
-    if (path / STUDY).is_file():
-        return "is the folder of a study, not a file: give the race, and this folder with parameters=..."
-    return "is a folder, not a file"
+def parse(text: str, label: str) -> dict[str, Any]:
+    """The table of TOML, within the bounds of what people write.
+
+    Raises:
+        InputError: it is nested too deeply, or too long.
+        ValueError: it is no TOML.
+    """
+    number = deep_key(text)
+    if number:
+        raise InputError(label, f"line {number}", f"is nested too deeply: a key has more than {DEEPEST} parts")
+    try:
+        return keep_bounds(tomllib.loads(text), label)
+    except RecursionError:
+        raise InputError(label, "", "is nested too deeply") from None

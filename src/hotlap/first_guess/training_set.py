@@ -14,14 +14,17 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from hotlap.core.errors import InputError
+from hotlap.files.bounds import keep_bounds
 from hotlap.files.error_messages import check
 from hotlap.first_guess.features import OF_A_PIECE, OF_A_RACE
 from hotlap.race.schema import Described, Positive
 from hotlap.reference.segments import SegmentClass
+from hotlap.system.regular_files import read_bytes
 
 Floats = NDArray[np.float64]
 
 SHIPPED = "first_guess.json"  # among the package's data
+MAX_BYTES = 5_000_000  # what is shipped has a tenth
 DIGITS = 9  # completion is kept in ninths
 
 
@@ -149,10 +152,7 @@ def load_training_set(path: Path) -> TrainingSet:
     Raises:
         InputError: with the file, the key and the reason.
     """
-    try:
-        return _read(path.read_bytes(), str(path))
-    except OSError as error:
-        raise InputError(str(path), "", f"cannot be read: {error.strerror}") from None
+    return _read(read_bytes(path, MAX_BYTES, "this is no training set"), str(path))
 
 
 def write_training_set(training: TrainingSet) -> str:
@@ -175,7 +175,7 @@ def _read(content: bytes, source: str) -> TrainingSet:
         raise InputError(source, "", "is no JSON document") from None
     if not isinstance(plain, dict):
         raise InputError(source, "", "must be one JSON object")
-    return check(TrainingSet, plain, source)
+    return check(TrainingSet, keep_bounds(plain, source), source)
 
 
 def _digits(rows: list[str]) -> Floats:

@@ -3,6 +3,9 @@
 Numba's own cache looks at the file of the compiled function alone: an edit of anything that the function calls would go unnoticed.
 Here the place on disk changes with every source that takes part, and Numba adds its own version, the processor and its features.
 Of several processes that want a kernel which is not there yet, one compiles it and the others wait for it.
+
+What Numba keeps is machine code and pickle, which does whatever it says: it is read from a folder that is one's own alone
+(`system/ownership.py`), from files that are as they were written (`system/sealed.py`), and compiled anew where it is not.
 """
 
 # pyright: reportIncompatibleMethodOverride=false
@@ -23,7 +26,9 @@ from typing import Any
 
 from numba.core import caching
 
+from hotlap.system import sealed
 from hotlap.system.disk_cache import digest_sources, folder
+from hotlap.system.ownership import make_private
 
 SOURCES = ("hotlap.flight", "hotlap.dynamics", "hotlap.race", "hotlap.reference.reference", "hotlap.core.records")
 PAUSE, LONGEST_WAIT = 0.1, 180.0  # s between two looks for what another process compiles; s after which it is compiled here too
@@ -31,7 +36,7 @@ PAUSE, LONGEST_WAIT = 0.1, 180.0  # s between two looks for what another process
 
 def place() -> Path:
     """The folder of kernels made from the present sources; need not exist yet."""
-    return folder("kernels") / digest_sources(*SOURCES)
+    return folder("kernels", digest_sources(*SOURCES))
 
 
 class _Locator(caching._CacheLocator):  # noqa: SLF001 - Numba has no public door to its cache
@@ -39,6 +44,9 @@ class _Locator(caching._CacheLocator):  # noqa: SLF001 - Numba has no public doo
 
     def __init__(self, function: Any, label: str) -> None:
         self._function, self._label = function, label
+
+    def ensure_cache_path(self) -> None:
+        make_private(place())
 
     def get_cache_path(self) -> str:
         return str(place())
@@ -59,6 +67,47 @@ class _Implementation(caching.CompileResultCacheImpl):
         self._filename_base = self.get_filename_base("kernel", getattr(sys, "abiflags", ""))
 
 
+class _Files(caching.IndexDataCacheFile):
+    """Numba's index of compiled functions and their data, in sealed files."""
+
+    def load(self, key: Any) -> Any:
+        """The data of a key, None where there are none, or where another process is about to write them."""
+        name = self._load_index().get(key)
+        found = None if name is None else self._load_data(name)
+        return found[1] if found is not None and found[0] == key else None
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep data with their key: an index and what it names are not written at one stroke."""
+        super().save(key, (key, data))
+
+    def _load_index(self) -> dict[Any, str]:
+        """Names of data files by key; an index of another compiler counts as an empty one."""
+        path = Path(self._index_path)
+        content = sealed.read(path)
+        if content is None:
+            return {}
+        try:
+            made_by, rest = content.split(b"\n", 1)
+            return dict(pickle.loads(rest)) if made_by == self._made_by() else {}  # noqa: S301  sealed, in a folder of one's own
+        except Exception:  # noqa: BLE001  what is no index may fail in any way
+            sealed.reject(path, "is damaged")
+            return {}
+
+    def _save_index(self, overloads: dict[Any, str]) -> None:
+        sealed.write(Path(self._index_path), self._made_by() + b"\n" + self._dump(overloads))
+
+    def _load_data(self, name: str) -> Any:
+        content = sealed.read(Path(self._data_path(name)))
+        return None if content is None else pickle.loads(content)  # noqa: S301  sealed, in a folder of one's own
+
+    def _save_data(self, name: str, data: Any) -> None:
+        sealed.write(Path(self._data_path(name)), self._dump(data))
+
+    def _made_by(self) -> bytes:
+        """The compiler, in one line."""
+        return repr((self._version, self._source_stamp)).encode()
+
+
 class Turn:
     """A lock for the compilation of one function: one process holds it at a time, and loses it when it ends, in whatever way.
 
@@ -74,8 +123,8 @@ class Turn:
         if self._lock >= 0:
             return True
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._lock = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            make_private(self.path.parent)
+            self._lock = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             self.give_back()
@@ -105,7 +154,7 @@ class KernelCache(caching.FunctionCache):
         self._impl = _Implementation(function, label)
         locator, name = self._impl.locator, self._impl.filename_base
         self._cache_path = locator.get_cache_path()
-        self._cache_file = caching.IndexDataCacheFile(self._cache_path, name, locator.get_source_stamp())
+        self._cache_file = _Files(self._cache_path, name, locator.get_source_stamp())
         self._turn = Turn(Path(self._cache_path) / f"{name}.lock")
         self.enable()
 
@@ -133,11 +182,7 @@ class KernelCache(caching.FunctionCache):
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled function if that can be done."""
         with suppress(OSError):
-            try:
-                super().save_overload(sig, data)
-            except (pickle.UnpicklingError, EOFError, ValueError, AttributeError, ImportError):  # a damaged index
-                self.flush()
-                super().save_overload(sig, data)
+            super().save_overload(sig, data)
         self._turn.give_back()
 
     def _index_key(self, sig: Any, codegen: Any) -> tuple[Any, ...]:
@@ -146,10 +191,7 @@ class KernelCache(caching.FunctionCache):
 
     def is_filled(self, codegen: Any) -> bool:
         """Whether something was compiled from the present sources, for what a code generator compiles for."""
-        try:
-            kept = self._cache_file._load_index()  # noqa: SLF001
-        except Exception:  # noqa: BLE001  damaged
-            return False
+        kept = self._cache_file._load_index()  # noqa: SLF001
         return any(processor == codegen.magic_tuple() and (Path(self._cache_path) / name).exists() for (_, processor), name in kept.items())
 
     def check_file(self, codegen: Any) -> Path:

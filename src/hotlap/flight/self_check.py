@@ -17,7 +17,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from io import BytesIO
 from typing import Any
 
@@ -43,6 +43,7 @@ from hotlap.race.track import Gate, Track
 from hotlap.reference.reference import PERIOD, Reference
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentClass, Segments
+from hotlap.system import sealed
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +55,7 @@ JUDGED = ("mean_error", "max_error", "rim_distance", "closest_distance", "end_ti
 TOLERANCES: Mapping[Solver, float] = {Solver.REAL_TIME: 2e-3, Solver.LINE_SEARCH: 2e-2}
 """Of every number in a log, in its unit and relative: single precision stays below 5e-5, and below 7e-3 where it may take another step of a
 line search that lowers the cost as well."""
-AGREES, DIFFERS = "agrees", "differs"
+AGREES, DIFFERS = b"agrees", b"differs"
 PROGRAM = "import sys; from hotlap.flight.self_check import write_answer; write_answer(*sys.argv[1:])"
 
 DRONE = Quadrotor(
@@ -105,14 +106,11 @@ def agrees(numbers: Numbers, law: str, plant: str = PLAIN) -> bool:
     result_file = check_file_of(worker(numbers, law, plant))
     if result_file is None:  # there is no compiler that could be wrong
         return True
-    with suppress(OSError, UnicodeDecodeError):
-        text = result_file.read_text(encoding="ascii")
-        if text in (AGREES, DIFFERS):
-            return text == AGREES
+    kept = sealed.read(result_file)
+    if kept in (AGREES, DIFFERS):
+        return kept == AGREES
     result = check(numbers, law, plant)
-    with suppress(OSError):
-        result_file.parent.mkdir(parents=True, exist_ok=True)
-        result_file.write_text(AGREES if result else DIFFERS, encoding="ascii")
+    sealed.write(result_file, AGREES if result else DIFFERS)
     return result
 
 
@@ -191,7 +189,7 @@ def interpreter(law: str, lanes: int, plant: str = PLAIN) -> Iterator[subprocess
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(path or "." for path in sys.path)}
     try:
         running = subprocess.Popen(
-            [sys.executable or "python3", "-c", PROGRAM, law, str(lanes), plant],
+            [sys.executable or "python3", "-P", "-c", PROGRAM, law, str(lanes), plant],  # -P: nothing of the working folder
             env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         )  # fmt: skip
     except OSError as error:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections import Counter
 from collections.abc import Hashable
 from pathlib import Path
@@ -15,7 +14,8 @@ from defusedxml.ElementTree import fromstring
 
 from hotlap.core.errors import InputError
 from hotlap.files.bounds import keep_bounds
-from hotlap.system.text_files import cause_of
+from hotlap.files.toml_reader import parse
+from hotlap.system.regular_files import read_text
 
 MAX_BYTES = 500_000  # the largest description that was met has 50 000
 
@@ -38,17 +38,7 @@ def read_document(path: Path) -> dict[str, Any] | Element:
 
 def _text(path: Path) -> str:
     """A file of text that is not too large."""
-    try:
-        if not path.is_file():
-            reason = "is a folder, not a file" if path.is_dir() else "is not a file of text" if path.exists() else "there is no such file"
-            raise InputError(str(path), "", reason)
-        if path.stat().st_size > MAX_BYTES:
-            raise InputError(str(path), "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is not a description")
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(str(path), "", f"is not UTF-8 text (byte {error.start + 1})") from None
-    except (OSError, ValueError) as error:
-        raise InputError(str(path), "", f"cannot be read: {cause_of(error)}") from None
+    return read_text(path, MAX_BYTES)
 
 
 def _parse_xml(text: str, path: Path) -> Element:
@@ -63,7 +53,7 @@ def _parse_xml(text: str, path: Path) -> Element:
 def _parse_table(text: str, path: Path) -> Any:
     """The content of a TOML or YAML file; where it is neither, the fault of what its name says."""
     try:
-        return tomllib.loads(text)
+        return parse(text, str(path))
     except ValueError as error:
         fault = f"is not valid TOML: {error}"
     if path.suffix.lower() == ".toml":

@@ -5,10 +5,9 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-import os
 import platform
-import tempfile
 from importlib.metadata import version
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ import numpy as np
 from hotlap.planning.problem import Problem
 from hotlap.race.track import Track
 from hotlap.reference.reference import Reference
+from hotlap.system import sealed
 from hotlap.system.disk_cache import digest_sources, folder
 
 ARRAYS = ("position", "attitude", "velocity", "rates", "thrust", "rotor_thrusts", "gate_times")
@@ -70,33 +70,42 @@ def _plain(value: Any) -> Any:
 
 
 def load(key: str) -> Reference | None:
-    """The plan of a key; None if it is not there or cannot be read."""
+    """The plan of a key; None if it is not there or cannot be used."""
+    path = _path(key)
+    content = sealed.read(path)
+    if content is None:
+        return None
     try:
-        with _path(key).open("rb") as file, np.load(file, allow_pickle=False) as stored:
+        with np.load(BytesIO(content), allow_pickle=False) as stored:
             fields: dict[str, Any] = {name: np.asarray(stored[name], dtype=np.float64) for name in ARRAYS}
             fields.update({name: float(stored[name]) for name in SCALARS})
-            reference = Reference(**fields)
-            return reference if np.isfinite(reference.table).all() else None
-    except Exception:  # noqa: BLE001  a damaged file may fail in any way, and is then planned anew
-        return None
+        reference = Reference(**fields)
+        if _is_sound(reference):
+            return reference
+    except Exception:  # noqa: BLE001, S110  what is no plan may fail in any way
+        pass
+    sealed.reject(path, "is no plan")
+    return None
 
 
 def save(key: str, reference: Reference) -> None:
     """Keep a plan, whole or not at all; a cache that cannot be written is no error."""
-    path = _path(key)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as part:
-                fields: dict[str, Any] = {name: np.asarray(getattr(reference, name)) for name in (*ARRAYS, *SCALARS)}
-                np.savez(part, **fields)
-            Path(name).replace(path)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
-    except OSError:
-        return
+    content = BytesIO()
+    fields: dict[str, Any] = {name: np.asarray(getattr(reference, name)) for name in (*ARRAYS, *SCALARS)}
+    np.savez(content, **fields)
+    sealed.write(_path(key), content.getvalue())
+
+
+def _is_sound(reference: Reference) -> bool:
+    """Whether a plan has the shapes and the finite numbers of one; what rotors give is not known in the run-out."""
+    rows, times = len(reference.position), reference.gate_times
+    shapes = {name: getattr(reference, name).shape for name in ARRAYS}
+    wanted = {"position": (rows, 3), "attitude": (rows, 4), "velocity": (rows, 3), "rates": (rows, 3), "thrust": (rows,)}
+    wanted |= {"rotor_thrusts": (rows, *shapes["rotor_thrusts"][1:2]), "gate_times": (times.size,)}
+    if shapes != wanted or not times.size or not reference.period > 0 or not reference.cpu_time >= 0:
+        return False
+    finite = all(np.isfinite(values).all() for values in (reference.table, times, reference.duration, reference.cpu_time))
+    return finite and 0 < reference.planned_rows <= rows and bool((np.diff(times, prepend=0.0) >= 0).all())
 
 
 def _path(key: str) -> Path:

@@ -85,9 +85,9 @@ class Change:
             case Quantity.NOISE:
                 return "twice the noise" if amount == 2 else f"{amount:g} times the noise"
             case Quantity.WIND:
-                return f"steady wind of {amount:g} m/s^2"
+                return f"steady push of {amount:g} m/s^2 as of wind"
             case Quantity.GUSTS:
-                return f"gusts of {amount:g} m/s^2"
+                return f"gusts that push with {amount:g} m/s^2"
             case Quantity.SAG:
                 return f"battery sag of {100 * amount:g} %"
         return f"{100 * abs(amount):g} % {WORDS[quantity][amount > 0]}"

@@ -16,6 +16,8 @@ __all__ = ["Gate", "Track", "Waypoint"]
 
 SHORTEST = 0.1  # m: a track below this is a mistake of units
 MOST_LAPS = 50
+MOST_GATES = 1000  # of all laps: what takes a flight of an hour
+MOST_OBSTACLES = 1000  # of a kind
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,11 @@ class Track(Described):
 
     @model_validator(mode="after")
     def _apart(self) -> Track:
+        if len(self.gates) * self.laps > MOST_GATES:
+            raise ValueError(f"gates: there are {len(self.gates) * self.laps} in all laps, and may be {MOST_GATES}")
+        for kind in ("poles", "spheres", "boxes"):
+            if len(getattr(self, kind)) > MOST_OBSTACLES:
+                raise ValueError(f"{kind}: there are {len(getattr(self, kind))}, and may be {MOST_OBSTACLES}")
         points, keys = np.vstack([self.start, self.waypoints]), ["start", *(point.key for point in self.route)]
         names = ["the start", *(point.name for point in self.route)]
         extents = np.abs(points).max(axis=1)

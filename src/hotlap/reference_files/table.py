@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from hotlap.core.errors import InputError
 from hotlap.files.error_messages import show
 from hotlap.reference_files.columns import GROUPS, KNOWN, REQUIRED, THRUST_NAMES, Column, by_count, columns_of
+from hotlap.system.regular_files import is_there, read_text
 
 Floats = NDArray[np.float64]
 
@@ -115,23 +116,9 @@ def read_table(path: Path) -> Table:
 
 def _text(path: Path) -> str:
     """What stands in a file."""
-    source = str(path)
-    try:
-        if not path.exists():
-            raise InputError(source, "", "there is no such file")
-        if not path.is_file():
-            raise InputError(source, "", "is a folder, not a file" if path.is_dir() else "is not a file of text")
-        if path.suffix.lower() == ".toml":
-            raise InputError(source, "", "is TOML, and no reference: that is a table of numbers, CSV")
-        if path.stat().st_size > MAX_BYTES:
-            raise InputError(source, "", f"is larger than {MAX_BYTES / 1e6:g} MB: this is no reference")
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(source, "", f"is not UTF-8 text (byte {error.start + 1})") from None
-    except OSError as error:
-        raise InputError(source, "", f"cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        raise InputError(source, "", f"is no usable path: {error}") from None
+    if path.suffix.lower() == ".toml" and is_there(path):
+        raise InputError(str(path), "", "is TOML, and no reference: that is a table of numbers, CSV")
+    return read_text(path, MAX_BYTES, "this is no reference").replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _separator(line: str) -> str:

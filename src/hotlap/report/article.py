@@ -177,9 +177,11 @@ def percent(share: float) -> str:
 
 
 STYLE = """
-:root { color-scheme: light dark; --ink: #1d2228; --quiet: #626b75; --line: #d9dde2; --paper: #ffffff; --accent: #0063a6; }
+:root { color-scheme: light dark; --ink: #1d2228; --quiet: #626b75; --line: #d9dde2; --paper: #ffffff; --accent: #0063a6;
+  --more: #00000045; }
 @media (prefers-color-scheme: dark) {
-  :root { --ink: #e6e9ed; --quiet: #9aa4af; --line: #343c46; --paper: #14181d; --accent: #6cb6f0; }
+  :root { --ink: #e6e9ed; --quiet: #9aa4af; --line: #343c46; --paper: #14181d; --accent: #6cb6f0;
+    --more: #ffffff60; }
 }
 body { margin: 0; background: var(--paper); color: var(--ink); font: 16px/1.5 system-ui, sans-serif; }
 main { max-width: 72rem; margin: 0 auto; padding: 1.5rem 1rem 4rem; }
@@ -189,10 +191,17 @@ p, figcaption { max-width: 46rem; }
 figcaption { color: var(--quiet); font-size: 0.85rem; margin-top: 0.3rem; }
 figure { margin: 1.5rem 0; }
 img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
-@media screen and (prefers-color-scheme: dark) { img { filter: invert(0.91) hue-rotate(180deg); } } /* light turns dark, colours stay */
+@media screen and (prefers-color-scheme: dark) { /* light turns dark, colours stay, and the ground is that of the page */
+  img { filter: invert(0.93) hue-rotate(180deg) brightness(1.15); mix-blend-mode: lighten; }
+}
+@media screen and (max-width: 600px) { figure:has(> img) { overflow-x: auto; } img { max-width: none; width: 34rem; } }
 a { color: var(--accent); }
 code { font: 0.9em ui-monospace, monospace; overflow-wrap: anywhere; }
-.wide { overflow-x: auto; margin: 1rem 0; }
+.wide { overflow-x: auto; margin: 1rem 0; background:
+  linear-gradient(to right, var(--paper) 40%, transparent) left 0 top -1px / 32px calc(100% + 2px) no-repeat local,
+  linear-gradient(to left, var(--paper) 40%, transparent) right 0 top -1px / 32px calc(100% + 2px) no-repeat local,
+  linear-gradient(to right, var(--more), transparent) left / 14px 100% no-repeat scroll,
+  linear-gradient(to left, var(--more), transparent) right / 14px 100% no-repeat scroll; } /* a shadow where there is more */
 table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums; }
 th, td { padding: 0.3rem 0.9rem 0.3rem 0; text-align: left; border-bottom: 1px solid var(--line); white-space: nowrap; }
 thead th { color: var(--quiet); font-weight: 500; }
@@ -202,6 +211,7 @@ th button::after { content: " \\21c5"; opacity: 0.45; }
 th[aria-sort=ascending] button::after { content: " \\2191"; opacity: 1; }
 th[aria-sort=descending] button::after { content: " \\2193"; opacity: 1; }
 table.sortable tbody th { position: sticky; left: 0; background: var(--paper); }
+tr.over th { border-bottom: 0; padding-bottom: 0; }
 th.number, td.number { text-align: right; }
 th.long { white-space: normal; min-width: 10rem; vertical-align: bottom; }
 @media print {

@@ -31,7 +31,10 @@ def compose_article(runs: Sequence[Run], source: str, command: str) -> Article:
         f"Every tuner began at the same first guess and met the same noise, {count(seeds, 'seed')} on each race. "
         "*Confirmed*: the share of runs that found a controller which passed its re-flights. *Validated*: the share of fresh flights in "
         "which that controller then met the goal. *Lap*: the median over the races and seeds that all tuners solved, in brackets how many "
-        "these are. In square brackets: 95 % intervals, for flights the quartiles. A press on the head of a column sorts the table."
+        "these are. *Flights*: search flights to the confirmed controller, the median, and that with re-flights. *Completion at 50*: of "
+        "the best candidate after 50 flights, the median. *ms/flight*: the tuner's own time for a flight. In square brackets: 95 % "
+        "intervals, for flights the quartiles; a dash where fewer than that confirmed a controller, or none did. A press on the head of "
+        "a column sorts the table."
     )
     article.head("Over all races")
     _add_table(article, overall(runs))
@@ -56,7 +59,8 @@ def _add_charts(article: Article, runs: Sequence[Run], races: Sequence[str]) -> 
     article.say(
         "Completion of the best candidate so far, each flight at its own number, from that of the first guess on; it falls where the best "
         "one fails when it is flown again. "
-        f"The line is the median over seeds{quartiles}. Lines that coincide lie side by side, the first tuner on top."
+        f"The line is the median over seeds{quartiles}. Lines that coincide lie side by side, the first tuner on top. "
+        "Point at a chart, or go through it with the arrow keys, to read its values."
     )
     charts = element("div", "".join(curve_chart(curves_of(race, runs), looks) for race in races), class_="charts")
     said = element(
@@ -104,7 +108,13 @@ def _add_table(article: Article, rows: Sequence[Row]) -> None:
 STYLE = """
 main { max-width: 84rem; }
 .charts { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 19rem), 1fr)); gap: 1rem; }
-.chart { margin: 0; }
+.chart { margin: 0; position: relative; }
+.chart .cursor { stroke: var(--ink); stroke-width: 1; fill: none; }
+.values { position: absolute; top: 2rem; z-index: 1; display: grid; padding: 0.3rem 0.6rem; border: 1px solid var(--line);
+  border-radius: 4px; background: var(--paper); font-size: 0.8rem; font-variant-numeric: tabular-nums;
+  pointer-events: none; white-space: nowrap; }
+.values[hidden] { display: none; }
+.values span { color: var(--own); }
 .chart figcaption { color: var(--ink); font-weight: 500; margin: 0; }
 .chart svg { display: block; width: 100%; height: auto; }
 .wide-chart { max-width: 31rem; }
@@ -124,7 +134,7 @@ main { max-width: 84rem; }
 .choice { display: flex; flex-wrap: wrap; gap: 0.5rem; }
 .choice button[aria-pressed=true] { border-color: var(--accent); box-shadow: inset 0 0 0 1px var(--accent); }
 @media (min-width: 60rem) and (min-height: 40rem) { .drawn .legend { position: sticky; top: 0; max-height: 20vh; overflow-y: auto; } }
-table.heat td { text-align: right; background: color-mix(in srgb, var(--accent) calc(var(--heat, 0%) * 0.5), var(--paper)); }
+table.heat td { text-align: right; background: color-mix(in srgb, var(--accent) calc(var(--heat, 0%) * 0.5), transparent); }
 table.heat thead th { white-space: normal; vertical-align: bottom; text-align: right; }
 table.heat thead th:first-child { text-align: left; }
 table.heat td, table.heat thead th:not(:first-child) { padding-left: 0.9rem; }

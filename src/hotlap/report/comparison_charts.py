@@ -70,7 +70,11 @@ def curve_chart(curves: Curves, looks: Mapping[str, Look]) -> str:
     axes, at, shifts = Axes(262, 130, max(float(curves.flights[-1]), 2.0)), curves.flights.astype(float), curves.shifts
     ids = _ids(looks)
     lines = [
-        element("path", d=axes.step(at, curves.middle[i], shifts[i] * (LINE + 0.4)), class_=f"line {ids[tuner]}", data_tuner=ids[tuner])
+        _line(
+            axes.step(at, curves.middle[i], shifts[i] * (LINE + 0.4)),
+            ids[tuner],
+            _said(at, curves.middle[i], curves.low[i], curves.high[i]),
+        )
         for i, tuner in enumerate(curves.tuners)
     ]
     bands = [
@@ -80,7 +84,7 @@ def curve_chart(curves: Curves, looks: Mapping[str, Look]) -> str:
     ]
     drawn = _chart(axes, TICKS, "flights, re-flights included", "completion [%]", [*bands, *lines])
     label = f"Completion of the best candidate over flights on {curves.race}"
-    return element("figure", element("figcaption", text(curves.race)) + _svg(axes, drawn, label), class_="chart")
+    return element("figure", element("figcaption", text(curves.race)) + _svg(axes, drawn, label, "flight {x}"), class_="chart")
 
 
 def profile_chart(runs: Sequence[Run], looks: Mapping[str, Look]) -> str:
@@ -89,12 +93,9 @@ def profile_chart(runs: Sequence[Run], looks: Mapping[str, Look]) -> str:
     found = profiles(runs, FACTORS)
     shares = np.array([found[tuner] for tuner in looks])
     shifts = Curves("", tuple(looks), np.arange(len(FACTORS)), shares, shares, shares).shifts * (LINE + 0.4)
-    lines = [
-        element("path", d=axes.step(FACTORS, shares[i], shifts[i]), class_=f"line {ids[tuner]}", data_tuner=ids[tuner])
-        for i, tuner in enumerate(looks)
-    ]
+    lines = [_line(axes.step(FACTORS, shares[i], shifts[i]), ids[tuner], _said(FACTORS, shares[i])) for i, tuner in enumerate(looks)]
     drawn = _chart(axes, FACTOR_TICKS, "search flights, as a multiple of the fewest", "solved [%]", lines)
-    return element("figure", _svg(axes, drawn, "Performance profile"), class_="chart wide-chart")
+    return element("figure", _svg(axes, drawn, "Performance profile", "within {x} times"), class_="chart wide-chart")
 
 
 def legend(looks: Mapping[str, Look]) -> str:
@@ -158,7 +159,27 @@ def _chart(axes: Axes, ticks: Sequence[int], along: str, up: str, data: Sequence
     yield from data
 
 
-def _svg(axes: Axes, parts: Iterator[str], label: str) -> str:
-    """A drawing that is as wide as its place."""
+def _line(path: str, tuner: str, said: Mapping[str, str]) -> str:
+    """The line of a tuner, with what it says."""
+    return element("path", d=path, class_=f"line {tuner}", data_tuner=tuner, **said)
+
+
+def _said(at: Floats, *values: Floats) -> dict[str, str]:
+    """What a line says where it is pointed at: x and the values in per cent wherever one of them changes, and where it ends.
+
+    Args:
+        at: shape (F,), x.
+        values: shape (F,) each, 0 to 1: of the line, and the quartiles of its band; NaN beyond its end.
+    """
+    known = np.isfinite(values[0])
+    shares = np.column_stack([100 * value[known] for value in values]).round().astype(int)
+    changes = np.flatnonzero(np.any(np.diff(shares, axis=0, prepend=-1), axis=1))
+    steps = [f"{at[known][i]:.4g} {' '.join(map(str, shares[i].tolist()))}" for i in changes.tolist()]
+    return {"data_steps": ";".join(steps), "data_end": f"{at[known][-1]:.4g}"}
+
+
+def _svg(axes: Axes, parts: Iterator[str], label: str, place: str) -> str:
+    """A drawing that is as wide as its place; a script of the page says its values, at a `place` with {x}."""
     size = f"0 0 {axes.LEFT + axes.width + axes.RIGHT:g} {axes.TOP + axes.height + axes.BOTTOM:g}"
-    return element("svg", "".join(parts), viewBox=size, role="img", aria_label=label)
+    scale = {"data_left": f"{axes.LEFT:g}", "data_width": f"{axes.width:g}", "data_most": f"{axes.most:g}", "data_place": place}
+    return element("svg", "".join(parts), viewBox=size, role="img", aria_label=label, **scale)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
-from hotlap.report.history import History
+from hotlap.report.history import History, verdicts
 from hotlap.report.style import AGAIN, BEST, FACE, FAILURE, INK, SMALL, headline, place_axes, styled
 
 Floats = NDArray[np.float64]
@@ -51,11 +51,13 @@ def _draw(axes: Axes, history: History, values: Floats, best: Floats) -> None:
     x, seen = history.numbers, np.isfinite(values)
     search, again = history.searching & seen, ~history.searching & seen
     size = 4.5 if len(history) <= 80 else 3.2
-    for chosen, face in ((search & ~history.accepted, FACE), (search & history.accepted, BEST)):
+    for chosen, face in ((search & history.failed, FACE), (search & ~history.failed, BEST)):
         _mark(axes, x[chosen], values[chosen], marker="o", markersize=size, markerfacecolor=face, markeredgecolor=BEST)
     good, bad = again & ~history.failed, again & history.failed
     _mark(axes, x[good], values[good], marker="D", markersize=size - 0.5, color=AGAIN, markeredgecolor=INK, markeredgewidth=0.4)
     _mark(axes, x[bad], values[bad], marker="x", markersize=size + 1, color=FAILURE, markeredgewidth=1.4)
+    kept = search & history.tuned
+    _mark(axes, x[kept], values[kept], marker="o", markersize=size + 5, markerfacecolor="none", markeredgecolor=INK, markeredgewidth=1.3)
     axes.step(x, best, where="post", color=INK, linewidth=1.0, zorder=2)
     known = np.flatnonzero(np.isfinite(best))
     if len(known):
@@ -88,10 +90,11 @@ def _scale_cost(axes: Axes, cost: Floats) -> None:
 
 def _key(history: History) -> list[tuple[str, str, str]]:
     """Legend of the marks that occur."""
-    again = ~history.searching
+    search, again, (passed, failed) = history.searching, ~history.searching, verdicts(goal=history.goal)
     return [
-        *[("●", BEST, "accepted")] * bool((history.searching & history.accepted).any()),
-        *[("○", BEST, "rejected")] * bool((history.searching & ~history.accepted).any()),
-        *[("◆", AGAIN, "re-flight")] * bool((again & ~history.failed).any()),
-        *[("×", FAILURE, "failed re-flight")] * bool((again & history.failed).any()),
+        *[("●", BEST, passed)] * bool((search & ~history.failed).any()),
+        *[("○", BEST, failed)] * bool((search & history.failed).any()),
+        *[("◎", INK, "tuned: kept")] * bool((search & history.tuned).any()),
+        *[("◆", AGAIN, "re-flight passed")] * bool((again & ~history.failed).any()),
+        *[("×", FAILURE, "re-flight failed")] * bool((again & history.failed).any()),
     ]

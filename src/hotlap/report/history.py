@@ -16,6 +16,9 @@ from hotlap.tuning.goal import Goal, Quantity
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 
+CHAINS = ("metropolis_hastings", "simulated_annealing", "tempered")
+"""Tuners that are Markov chains: what they accept is where they go on from, whatever the goal says of the flight."""
+
 
 @dataclass(frozen=True)
 class History:
@@ -26,18 +29,20 @@ class History:
         cost: shape (F,), lower is better; not finite where a flight has none.
         completion: shape (F,), 0 to 1.
         searching: shape (F,) false for re-flights.
-        accepted: shape (F,) whether the tuner accepted the candidate.
         failed: shape (F,) whether a flight missed the goal; without a goal, whether it was incomplete.
+        tuned: shape (F,) whether a flight was with the parameters that are the result.
         cost_name: what the cost measures, with its unit.
+        goal: whether there is one.
     """
 
     numbers: NDArray[np.int64]
     cost: Floats
     completion: Floats
     searching: Booleans
-    accepted: Booleans
     failed: Booleans
+    tuned: Booleans
     cost_name: str
+    goal: bool
 
     def __len__(self) -> int:
         """F, the number of flights."""
@@ -60,24 +65,21 @@ class Samples:
 
     Attributes:
         parameters: shape (R, S, K).
-        accepted: shape (R,) whether the tuner accepted the candidate.
+        accepted: shape (R,) whether a chain (`CHAINS`) accepted the candidate; other tuners have no such verdict.
         completion: shape (R,), 0 to 1.
         succeeded: shape (R,) whether the goal was met.
+        goal: whether there is one; else `succeeded` says whether every gate was passed.
     """
 
     parameters: Parameters
     accepted: Booleans
     completion: Floats
     succeeded: Booleans
+    goal: bool
 
     def __len__(self) -> int:
         """R, the number of flights."""
         return len(self.accepted)
-
-    @property
-    def complete(self) -> Booleans:
-        """Shape (R,), whether every gate was passed."""
-        return self.completion >= 1
 
 
 @dataclass(frozen=True)
@@ -101,13 +103,14 @@ class Change:
     segments: Segments
 
 
-def recount(ledger: Ledger, goal: Goal, cost_name: str) -> History:
+def recount(ledger: Ledger, goal: Goal, cost_name: str, best: Parameters | None = None) -> History:
     """The search flights and re-flights of a ledger, without selection and validation.
 
     Args:
         ledger: all flights of the study.
         goal: that decides which flights failed.
         cost_name: what the cost measures, with its unit.
+        best: shape (S, K), the parameters that are the result; None: there are none yet.
     """
     rows = np.flatnonzero(np.isin(ledger.streams, (Stream.SEARCH, Stream.CONFIRMATION)))
     return History(
@@ -115,9 +118,10 @@ def recount(ledger: Ledger, goal: Goal, cost_name: str) -> History:
         cost=ledger.cost[rows],
         completion=ledger.completion[rows],
         searching=ledger.streams[rows] == int(Stream.SEARCH),
-        accepted=ledger.accepted[rows],
         failed=~succeeded(ledger, goal)[rows],
+        tuned=with_parameters(ledger, best)[rows],
         cost_name=cost_name,
+        goal=goal.quantity is not Quantity.NONE,
     )
 
 
@@ -127,7 +131,7 @@ def collect(ledger: Ledger, goal: Goal, most: int | None = None) -> Samples:
     kept = min(most or len(search), len(search))
     rows = np.unique(np.linspace(0, len(search) - 1, kept).round().astype(int)) if kept else np.zeros(0, dtype=int)
     met = succeeded(search, goal)
-    return Samples(search.parameters[rows], search.accepted[rows], search.completion[rows], met[rows])
+    return Samples(search.parameters[rows], search.accepted[rows], search.completion[rows], met[rows], goal.quantity is not Quantity.NONE)
 
 
 def compare(space: ParameterSpace, segments: Segments, before: Parameters, after: Parameters, horizon_unit: float) -> Change:
@@ -151,3 +155,15 @@ def succeeded(ledger: Ledger, goal: Goal) -> Booleans:
     errors = {Quantity.MEAN_ERROR: ledger.mean_error, Quantity.MAX_ERROR: ledger.max_error}
     complete = ledger.completion >= 1
     return complete & (errors[goal.quantity] < goal.threshold) if goal.quantity in errors else complete
+
+
+def with_parameters(ledger: Ledger, parameters: Parameters | None) -> Booleans:
+    """Whether each flight was with these parameters, shape (F,); none of them where there are none."""
+    if parameters is None:
+        return np.zeros(len(ledger), dtype=np.bool_)
+    return np.all(ledger.parameters == parameters, axis=(1, 2))
+
+
+def verdicts(*, goal: bool) -> tuple[str, str]:
+    """What is said of flights that met the goal and of those that did not; without a goal, of those that passed every gate."""
+    return ("passed the goal", "failed the goal") if goal else ("passed every gate", "missed a gate")

@@ -65,7 +65,7 @@ def _row(row: Sequence[object], kinds: Sequence[Sequence[str]]) -> str:
     rest = "".join(_data(cell, kind) for cell, kind in zip(cells, kinds[1:], strict=True))
     if cells and len(str(name)) > LONG:
         head = element("th", text(name), scope="row", colspan=len(row), **_class([], name))
-        return element("tr", head) + element("tr", element("td") + rest)
+        return element("tr", head, class_="over") + element("tr", element("td") + rest)
     return element("tr", element("th", text(name), scope="row") + rest)
 
 

@@ -20,7 +20,7 @@ from hotlap.report.scene import Scene, stage
 from hotlap.report.style import own_settings
 from hotlap.study.snapshot import Snapshot, read_snapshot
 from hotlap.study.study import Study
-from hotlap.system.text_files import written_whole
+from hotlap.system.whole_files import written_whole
 from hotlap.worlds.world import World, is_slow
 
 FLIGHTS = 8  # of each set of parameters, all with the same noise; the first of each is drawn in full
@@ -109,7 +109,7 @@ def _plain(snapshot: Snapshot, scene: Scene) -> dict[str, Figure]:
 def draw_convergence(snapshot: Snapshot) -> Figure:
     """Completion and cost of a study over its flights."""
     asked = snapshot.configuration
-    history = recount(snapshot.ledger, asked.settings.goal, asked.cost_name)
+    history = recount(snapshot.ledger, asked.settings.goal, asked.cost_name, snapshot.best if len(snapshot.ledger) else None)
     return convergence(history, f"{asked.scenario.race.name}: {asked.tuner}", _verdict(snapshot))
 
 

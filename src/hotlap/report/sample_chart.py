@@ -9,8 +9,8 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from hotlap.core.parameters import ParameterSpace
-from hotlap.report.history import Samples
-from hotlap.report.style import BEST, FACE, FAINT, FIRST, INK, SMALL, headline, place_axes, styled
+from hotlap.report.history import Samples, verdicts
+from hotlap.report.style import BEST, FACE, FAINT, INK, QUIET, SMALL, headline, place_axes, styled
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +45,8 @@ def samples(found: Samples, space: ParameterSpace, best: Floats, title: str) -> 
             _label(axes, space, row, column)
     several = found.parameters.shape[1] > 1
     detail = f"{len(found)} search flights{', mean over segments in logarithms' if several else ''}; axes from bound to bound"
-    key = [("●", BEST, "passed all gates, accepted"), ("○", BEST, "passed all gates"), ("●", FIRST, "failed"), ("✚", INK, "best")]
+    passed, failed = verdicts(goal=found.goal)
+    key = [("●", BEST, passed), ("○", QUIET, failed), ("✚", INK, "tuned: kept")]
     headline(figure, 0.15, title, detail, key)
     return figure
 
@@ -56,9 +57,9 @@ def _mean(parameters: Floats) -> Floats:
 
 
 def _draw_marginal(axes: Axes, found: Samples, values: Floats, space: ParameterSpace, k: int) -> None:
-    """Histogram of one parameter over all flights, and over those that passed all gates."""
+    """Histogram of one parameter over all flights, and over those that met the goal."""
     edges = np.geomspace(space.low[k], space.high[k] * (1 + 1e-9), BINS + 1)
-    for some, colour in ((values, FAINT), (values[found.complete], BEST)):
+    for some, colour in ((values, FAINT), (values[found.succeeded], BEST)):
         if len(some):
             axes.hist(some, edges, color=colour)
     axes.set_yticks([])
@@ -68,12 +69,7 @@ def _draw_marginal(axes: Axes, found: Samples, values: Floats, space: ParameterS
 def _draw_pair(axes: Axes, found: Samples, values: Floats, best: Floats) -> None:
     """Scatter chart of two parameters."""
     size = 3.0 if len(found) <= 200 else 1.8
-    failed, accepted = ~found.complete, found.complete & found.accepted
-    for chosen, face, edge in (
-        (failed, FIRST, FIRST),
-        (found.complete & ~found.accepted, FACE, BEST),
-        (accepted, BEST, BEST),
-    ):
+    for chosen, face, edge in ((~found.succeeded, FACE, QUIET), (found.succeeded, BEST, BEST)):
         style = {"markersize": size, "markerfacecolor": face, "markeredgecolor": edge, "markeredgewidth": 0.6}
         axes.plot(*values[chosen].T, linestyle="none", marker="o", **style)
     axes.plot(*best, linestyle="none", marker="+", markersize=9, markeredgewidth=1.4, color=INK, zorder=5)

@@ -19,7 +19,10 @@ from hotlap.report.server import Source
 from hotlap.study.glance import Follower, Glance, State, find_studies
 
 OPEN_AT_ONCE = 8  # pages of studies that are kept, with what they have flown
-HEADS = ("study", "state", "flights", "completion [%]", "validated [%]", "lap [s]", "race", "tuner", "goal", "world", "seed", "changed")
+HEADS = (
+    *("study", "state", "flights", "completion [%]", "validated [%] (flights)", "lap [s]"),
+    *("race", "tuner", "goal", "world", "seed", "changed"),
+)
 NUMBERS = (2, 3, 4, 5, 10)
 
 Opener = Callable[[Path], Source]
@@ -105,7 +108,7 @@ def row_of(glance: Glance) -> dict[str, Any]:
         f"{glance.state}, first guess kept" if glance.kept else glance.state,
         f"{glance.flights} of {of}",
         _percent(glance.completion),
-        f"{_percent(rate)} of {glance.validation}" if glance.validation else "-",
+        f"{_percent(rate)} ({glance.validation})" if glance.validation else "-",
         f"{glance.lap_time:.2f}" if math.isfinite(glance.lap_time) else "-",
         glance.race,
         glance.tuner,
@@ -127,7 +130,7 @@ def _percent(share: float) -> str:
 
 
 def _moment(time: float) -> str:
-    return datetime.fromtimestamp(time).astimezone().strftime("%Y-%m-%d %H:%M:%S")
+    return datetime.fromtimestamp(time).astimezone().strftime("%Y-%m-%d %H:%M")
 
 
 def _render(folder: Path, version: int, rows: Sequence[Mapping[str, Any]]) -> str:
@@ -170,6 +173,9 @@ main { max-width: none; }
 .sift input { font: inherit; font-size: 1rem; padding: 0.2rem 0.5rem; width: 14rem; max-width: 100%; color: inherit;
   background: var(--paper); border: 1px solid var(--line); border-radius: 4px; }
 #count, #lost { color: var(--quiet); }
+#count { white-space: nowrap; }
+#studies th, #studies td { padding-right: 0.5rem; }
+#studies thead th { white-space: normal; vertical-align: bottom; }
 tr[data-state=searching] td:nth-child(2) { color: var(--accent); font-weight: 600; }
 tr[data-state=unreadable] { color: var(--quiet); }
 tr[data-state=unreadable] td:nth-child(2) { white-space: normal; min-width: 12rem; }

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hotlap import tuners
 from hotlap.analysis.learning import built_in_world
 from hotlap.analysis.resumable import ResumableJobs
+from hotlap.core.counts import count
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.files.descriptions import load_race
 from hotlap.planning.preparation import prepare
@@ -132,9 +133,9 @@ def robustness(jobs: ResumableJobs, *, quick: bool) -> Article:
     shares = jobs.each("flights", flights, fly_controllers)
     page = Article("Robustness")
     page.say(
-        f"Mean completion [%] on {base.name} of {seeds} controllers, {FLIGHTS} flights each, tuned under the condition of the row and "
-        "flown under that of the column. The condition is in neither the plan nor the controller's model, except speed and layout, which "
-        "change the plan. Tuned from the default weights."
+        f"Mean completion [%] on {base.name} of {count(seeds, 'controller')}, {FLIGHTS} flights each, tuned under the condition of "
+        "the row and flown under that of the column. The condition is in neither the plan nor the controller's model, except speed and "
+        "layout, which change the plan. Tuned from the default weights."
     )
     for axis, races in grids.items():
         values = [[shares[f"{axis} {row} flown at {axis} {column}"] for column in races] for row in races]

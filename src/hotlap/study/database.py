@@ -5,22 +5,29 @@ from __future__ import annotations
 import os
 import sqlite3
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-from hotlap.core.errors import StudyError
+from hotlap.core.errors import StorageError, StudyError
+from hotlap.core.printable import printable
+from hotlap.study import formats
+from hotlap.study.formats import FORMAT
 from hotlap.system.folder_lock import hold
+from hotlap.system.regular_files import oddity
+from hotlap.system.text_files import cause_of
 
 FILE = "study.sqlite"
 APPLICATION = 0x686F746C  # "hotl", in the header of the file
-FORMAT = 3  # of the tables and of what is kept in them; any other is refused
+BESIDE = ("", "-journal", "-wal", "-shm")  # of the file's name: what SQLite opens
+LONGEST_PATH = 480  # bytes; SQLite takes 512, with what it appends to the name
+STORAGE = (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR)  # at fault is the disk, and nothing that was given
 
 _WORDS = {
     sqlite3.SQLITE_FULL: "the disk is full; all batches so far are kept: make room, and the same command goes on from there",
     sqlite3.SQLITE_IOERR: "the disk refuses to read or write; all batches so far are kept, and the same command goes on from there",
     sqlite3.SQLITE_NOTADB: f"{FILE} is no database, so no study",
-    sqlite3.SQLITE_CORRUPT: f"{FILE} is damaged",
+    sqlite3.SQLITE_CORRUPT: f"{FILE} is damaged: its pages do not fit together",
     sqlite3.SQLITE_CANTOPEN: f"{FILE} cannot be opened",
     sqlite3.SQLITE_READONLY: f"{FILE} cannot be written",
     sqlite3.SQLITE_BUSY: f"{FILE} is in use by another program",
@@ -56,6 +63,7 @@ class Database:
 
     def __init__(self, folder: Path, *, owned: bool) -> None:
         self.folder = folder
+        self._refuse_odd_files()
         self._lock = hold(folder) if owned else None
         mode = "rwc" if owned else "rw"  # to read after a kill is to roll back first
         try:
@@ -63,6 +71,7 @@ class Database:
                 location = f"{(folder / FILE).absolute().as_uri()}?mode={mode}"
                 self._connection = sqlite3.connect(location, uri=True, isolation_level=None, timeout=30.0)
                 self._connection.execute("PRAGMA synchronous = EXTRA")  # FULL lets a power cut take the last transaction back
+                self._connection.execute("PRAGMA trusted_schema = OFF")
         except BaseException:
             self._release()
             raise
@@ -76,8 +85,11 @@ class Database:
         self._connection.close()
         self._release()
 
-    def is_new(self) -> bool:
-        """Whether the file is empty.
+    def is_new(self, *, checked: bool = True) -> bool:
+        """Whether the file is empty. One of an earlier format is migrated: the file itself where it is owned, else a copy of it.
+
+        Args:
+            checked: look at all of a file that is not, whether it is damaged.
 
         Raises:
             StudyError: it is no study, damaged, or of a newer format.
@@ -87,24 +99,72 @@ class Database:
             return True
         if application != APPLICATION:
             raise StudyError(str(self.folder), "", f"{FILE} is a database, but no study")
-        if made != FORMAT:
-            maker = "a newer hotlap" if made > FORMAT else "an older hotlap"
-            raise StudyError(str(self.folder), "", f"was made by {maker} (format {made}; this one reads {FORMAT})")
-        if self._pragma("quick_check") != "ok":
-            raise StudyError(str(self.folder), "", f"{FILE} is damaged")
+        if made > FORMAT:
+            reason = f"was made by a newer hotlap (format {made}; this one reads up to {FORMAT}): update hotlap, or give another folder"
+            raise StudyError(str(self.folder), "", reason)
+        if made < 1:
+            raise self.damaged(f"there is no format {made}")
+        if checked and self._pragma("quick_check") != "ok":
+            raise self.damaged("its pages do not fit together")
+        if made < FORMAT:
+            self._migrate(made)
+        fault = formats.fault_of(self.execute)
+        if fault:
+            raise self.damaged(fault)
         return False
 
-    def create(self, schema: str) -> None:
+    def create(self) -> None:
         """Make the tables of a new file; within a transaction."""
-        for statement in schema.split(";"):
-            self.execute(statement)
+        formats.create(self.execute)
         self.execute(f"PRAGMA application_id = {APPLICATION}")
         self.execute(f"PRAGMA user_version = {FORMAT}")
+
+    def damaged(self, reason: str) -> StudyError:
+        """The error that says what is damaged, and what is there beside it."""
+        saved = [name for name in ("parameters.toml", "report.html") if (self.folder / name).is_file()]
+        beside = f"; what it had found is in {' and '.join(saved)} beside it" if saved else ""
+        return StudyError(str(self.folder), "", f"{FILE} is damaged: {reason}{beside}")
+
+    @contextmanager
+    def decoding(self, what: str) -> Iterator[None]:
+        """A context in which something that is recorded is read: whatever fails there, the file is damaged.
+
+        Args:
+            what: is read.
+
+        Raises:
+            StudyError: in place of any other error.
+        """
+        try:
+            yield
+        except (StudyError, sqlite3.ProgrammingError):  # said already, or closed
+            raise
+        except Exception as error:
+            raise self.damaged(f"{what} cannot be read back") from error
 
     def execute(self, statement: str, values: Iterable[Any] = ()) -> list[tuple[Any, ...]]:
         """Run one statement; returns its rows."""
         with self.readable_errors():
             return self._connection.execute(statement, tuple(values)).fetchall()
+
+    def rows(
+        self, table: str, *, where: str = "", values: Iterable[Any] = (), order: str = "rowid", before: int = 0
+    ) -> list[tuple[Any, ...]]:
+        """Rows of a table that are what was written, without their checksums.
+
+        Args:
+            table: in `formats.TABLES`.
+            where: condition of the statement; "" for all.
+            values: of the condition.
+            order: of the rows.
+            before: checksum of the row before the first, where the table has a chain of them.
+        """
+        condition = f"WHERE {where}" if where else ""
+        found = self.execute(f"SELECT {formats.COLUMNS[table]}, digest FROM {table} {condition} ORDER BY {order}", values)  # noqa: S608
+        try:
+            return list(formats.verified(found, before if table in formats.CHAINED else None))
+        except (ValueError, TypeError) as error:
+            raise self.damaged(f"what was recorded as {table} has changed since") from error
 
     def insert(self, statement: str, rows: Iterable[tuple[Any, ...]]) -> None:
         """Run one statement for many rows of values."""
@@ -138,14 +198,43 @@ class Database:
         """A context that turns an error of SQLite into a `StudyError` of one line; those of wrong statements pass unchanged."""
         try:
             yield
-        except (sqlite3.IntegrityError, sqlite3.ProgrammingError):
+        except sqlite3.ProgrammingError:
             raise
         except sqlite3.DatabaseError as error:
             primary = getattr(error, "sqlite_errorcode", 0) & 0xFF
-            raise StudyError(str(self.folder), "", _WORDS.get(primary, f"{FILE} cannot be used: {error}")) from None
+            if primary not in _WORDS:
+                raise self.damaged(printable(str(error))) from error
+            kind = StorageError if primary in STORAGE else StudyError
+            raise kind(str(self.folder), "", _WORDS[primary]) from None
+        except (MemoryError, OverflowError, UnicodeError) as error:
+            raise self.damaged("its pages do not fit together") from error
 
     def _pragma(self, name: str) -> Any:
         return self.execute(f"PRAGMA {name}")[0][0]
+
+    def _migrate(self, made: int) -> None:
+        """Turn an earlier format into the present one."""
+        if self._lock is None:
+            copy = sqlite3.connect(":memory:", isolation_level=None)
+            with self.readable_errors(), closing(self._connection) as file:
+                file.backup(copy)
+            self._connection = copy
+        with self.decoding(f"format {made}"), self.transaction():
+            formats.migrate(self.execute, made)
+            self.execute(f"PRAGMA user_version = {FORMAT}")
+
+    def _refuse_odd_files(self) -> None:
+        """Refuse what SQLite cannot name, would wait for, or would write to as if it were a file."""
+        size = len(os.fsencode((self.folder / FILE).absolute()))
+        if size > LONGEST_PATH:
+            raise StudyError(str(self.folder), "", f"its path is too long for SQLite: {size} bytes, of {LONGEST_PATH}")
+        for path in (self.folder / f"{FILE}{ending}" for ending in BESIDE):
+            try:
+                odd = oddity(path)
+            except (OSError, ValueError) as error:
+                raise StudyError(str(self.folder), "", f"cannot be used as the folder of a study: {cause_of(error)}") from None
+            if odd:
+                raise StudyError(str(self.folder), "", f"{path.name} is damaged: it {odd}")
 
     def _release(self) -> None:
         if self._lock is not None:

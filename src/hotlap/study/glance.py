@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import Any
 
 from hotlap.core.errors import StudyError
-from hotlap.study.database import APPLICATION, FILE, FORMAT, Database
+from hotlap.study.checksums import checksum
+from hotlap.study.database import FILE, Database
 from hotlap.study.increments import INSIDE, VALUE, grow
-from hotlap.system.folder_lock import LOCK
+from hotlap.system.folder_lock import holder_of
 from hotlap.tuning.goal import Quantity, parse_goal
 from hotlap.tuning.settings import TuningSettings
 
@@ -28,12 +29,12 @@ KEPT = ("best", "validation", "ended", "flown")  # of the state of a run
 
 
 class State(StrEnum):
-    """How far a study is: at work, left before its end, or at its end with its goal confirmed, not reached, or without a goal."""
+    """How far a study is: at work, left before its end, or at its end with its goal confirmed or not, or without a goal."""
 
     SEARCHING = "searching"
     STOPPED = "stopped"
     CONFIRMED = "confirmed"
-    NOT_REACHED = "not reached"
+    NOT_SOLVED = "not solved"
     FINISHED = "finished"
     UNREADABLE = "unreadable"
 
@@ -103,7 +104,7 @@ class Follower:
     def __init__(self, folder: Path, name: str) -> None:
         self.folder, self.name = folder, name
         self._seen: tuple[int, int] | None = None
-        self._row = 0
+        self._row, self._digest = 0, 0
         self._state: dict[str, Any] = {}
         self._asked: dict[str, Any] = {}
         self._glance = Glance(name, State.UNREADABLE)
@@ -116,10 +117,9 @@ class Follower:
             return Glance(self.name, State.UNREADABLE, fault=f"{FILE}: {error.strerror}")
         if self._seen != (found.st_mtime_ns, found.st_size):
             try:
-                self._read()
-            except (StudyError, ValueError, KeyError, TypeError) as error:
-                fault = error.reason if isinstance(error, StudyError) else f"{FILE} is damaged"
-                self._glance = Glance(self.name, State.UNREADABLE, fault=fault)
+                self._read_again()
+            except StudyError as error:
+                self._glance = Glance(self.name, State.UNREADABLE, fault=error.reason)
             self._glance = replace(self._glance, changed=found.st_mtime)
             self._seen = found.st_mtime_ns, found.st_size
         if self._glance.state in {State.SEARCHING, State.STOPPED}:
@@ -127,20 +127,33 @@ class Follower:
             self._glance = self._glance if state is self._glance.state else replace(self._glance, state=state)
         return self._glance
 
+    def _read_again(self) -> None:
+        """What is new in the file, or all of it where another study has taken its place."""
+        try:
+            self._read()
+        except StudyError:
+            if not self._row:
+                raise
+            self._row, self._digest, self._state = 0, 0, {}
+            self._read()
+
     def _read(self) -> None:
         """Whatever is new in the file."""
         database = Database(self.folder, owned=False)
         try:
-            _check(database)
+            if database.is_new(checked=False):  # to check all of the file would be to read all of it
+                raise StudyError(str(self.folder), "", f"{FILE} holds no study")
             with database.at_one_moment():
-                ((text,),) = database.execute("SELECT value FROM entry WHERE key = 'configuration'")
-                rows = database.execute("SELECT rowid, change FROM increment WHERE rowid > ? ORDER BY rowid", (self._row,))
+                asked = database.rows("entry", where="key = 'configuration'", order="key")
+                changes = database.rows("increment", where="rowid > ?", values=(self._row,), before=self._digest)
+            with database.decoding("what was asked for, or its state,"):
+                self._asked = json.loads(asked[0][1])
+                for (change,) in changes:
+                    self._state = _projected(self._state, json.loads(change))
+                    self._row, self._digest = self._row + 1, checksum((change,), self._digest)
+                self._glance = self._summary()
         finally:
             database.close()
-        self._asked = json.loads(text)
-        for self._row, change in rows:
-            self._state = _projected(self._state, json.loads(change))
-        self._glance = self._summary()
 
     def _summary(self) -> Glance:
         asked, best, validation = self._asked, self._state.get("best") or {}, self._state.get("validation") or {}
@@ -167,7 +180,7 @@ class Follower:
             return glance
         if parse_goal(asked["goal"]).quantity is Quantity.NONE:
             return replace(glance, state=State.FINISHED)
-        return replace(glance, state=State.CONFIRMED if best.get("confirmed") else State.NOT_REACHED)
+        return replace(glance, state=State.CONFIRMED if best.get("confirmed") else State.NOT_SOLVED)
 
     def _is_done(self, glance: Glance) -> bool:
         """Whether the search is over, and its result validated where that is asked for."""
@@ -175,15 +188,6 @@ class Follower:
         each = TuningSettings(**{name: asked[name] for name in ("samples", "randomise", "minutes") if name in asked}).flights_each
         over = best and (best["confirmed"] or self._state.get("ended") or asked["budget"] - glance.flights < each)
         return bool(over and (self._state.get("validation") or not asked["validation"]))
-
-
-def _check(database: Database) -> None:
-    """Refuse what is no study of this format; the file itself is not checked, which would be to read all of it."""
-    application, made = (database.execute(f"PRAGMA {name}")[0][0] for name in ("application_id", "user_version"))
-    if application != APPLICATION:
-        raise StudyError(str(database.folder), "", f"{FILE} holds no study")
-    if made != FORMAT:
-        raise StudyError(str(database.folder), "", f"was made by {'a newer' if made > FORMAT else 'an older'} hotlap")
 
 
 def _projected(before: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
@@ -196,7 +200,9 @@ def _projected(before: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str
 
 def _is_worked_on(folder: Path) -> bool:
     """Whether the process that locked the folder last is still there."""
-    with suppress(OSError, ValueError):
-        os.kill(int((folder / LOCK).read_text(encoding="ascii")), 0)
-        return True
+    process = holder_of(folder)
+    with suppress(OSError, OverflowError):
+        if process > 0:
+            os.kill(process, 0)
+            return True
     return False

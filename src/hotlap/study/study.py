@@ -10,6 +10,7 @@ import json
 import re
 import sqlite3
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
@@ -25,12 +26,13 @@ from hotlap.core.ledger import Ledger
 from hotlap.core.parameters import Parameters
 from hotlap.core.seeds import Stream
 from hotlap.core.shown import Framed, fitted, html_table
+from hotlap.study.checksums import checksum
 from hotlap.study.configuration import Configuration, first_difference, load_configuration, load_rival, pack_reference, unpack_reference
 from hotlap.study.database import FILE, Database
 from hotlap.study.increments import grow, increment
 from hotlap.study.result import Result
 from hotlap.study.tried_plan import TriedPlan
-from hotlap.study.versions import versions_now
+from hotlap.study.versions import digest_of_flights, versions_now
 from hotlap.tuners.tuner import remark_of
 from hotlap.tuning.loop import Batch, Tuning, tune
 from hotlap.tuning.objective import Objective
@@ -40,18 +42,8 @@ from hotlap.worlds.world import is_slow
 RUNS = Path("runs")
 PAGE = "report.html"
 
-_SCHEMA = """
-CREATE TABLE entry (key TEXT PRIMARY KEY, value) WITHOUT ROWID;
-CREATE TABLE opening (time TEXT, versions TEXT);
-CREATE TABLE increment (change TEXT);
-CREATE TABLE flight (stream TEXT, number INTEGER, seed INTEGER, parameters BLOB, cost REAL, completion REAL, failed_segment INTEGER,
-    mean_error REAL, max_error REAL, lap_time REAL, accepted INTEGER, PRIMARY KEY (stream, number));
-"""
-_SELECT = """
-SELECT stream, number, seed, parameters, cost, completion, failed_segment, mean_error, max_error, lap_time, accepted
-FROM flight ORDER BY CASE stream WHEN 'SELECTION' THEN 1 WHEN 'VALIDATION' THEN 2 ELSE 0 END, number
-"""
-_INSERT = "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+_ORDER = "CASE stream WHEN 'SELECTION' THEN 1 WHEN 'VALIDATION' THEN 2 ELSE 0 END, number"
+_INSERT = "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
 
 
 class Study(Framed):
@@ -75,7 +67,7 @@ class Study(Framed):
 
     def __init__(self, folder: str | Path, configuration: Configuration | None = None) -> None:
         self.folder = Path(folder)
-        if configuration is None and not (self.folder / FILE).is_file():
+        if configuration is None and not _is_there(self.folder):
             raise StudyError(str(folder), "", f"holds no study ({FILE})")
         self._database = Database(self.folder, owned=configuration is not None)
         self._clock, self._mark = time.monotonic, time.monotonic()
@@ -121,11 +113,14 @@ class Study(Framed):
         """What was asked for, from what is recorded."""
         if self._database.is_new():
             raise StudyError(str(self.folder), "", f"holds no study: {FILE} is empty")
-        plain, reference = self._plain_configuration(), unpack_reference(self._entry("reference"))
-        try:
-            self.configuration = load_configuration(plain, reference)
-        except InputError as fault:
-            raise StudyError(str(self.folder), fault.key, f"{fault.reason} (the study is of another version of hotlap)") from None
+        plain = self._plain_configuration()
+        with self._database.decoding("its reference"):
+            reference = unpack_reference(self._entry("reference"))
+        with self._database.decoding("its configuration"):
+            try:
+                self.configuration = load_configuration(plain, reference)
+            except InputError as fault:
+                raise StudyError(str(self.folder), fault.key, f"{fault.reason} (the study is of another version of hotlap)") from None
 
     def __repr__(self) -> str:
         title, *others = [value for _, value in self._facts()]
@@ -175,12 +170,14 @@ class Study(Framed):
     def tuning(self) -> Tuning:
         """The run after the last recorded batch, ready to be continued."""
         asked = self.configuration
-        return Tuning(asked.build_tuner(), asked.scenario, asked.settings, asked.first_guess, self._recorded_state())
+        tuner, state = asked.build_tuner(), self._recorded_state()
+        with self._database.decoding("the state of its run"):
+            return Tuning(tuner, asked.scenario, asked.settings, asked.first_guess, state)
 
     @property
     def wall_time(self) -> float:
         """[s] that processes have spent on its flights, until the last record; planning and compiling are not among them."""
-        return float(self._entry("wall_time") or 0.0)
+        return self._seconds("wall_time")
 
     @property
     def result(self) -> Result | None:
@@ -206,22 +203,24 @@ class Study(Framed):
     @property
     def command(self) -> str:
         """The command that does the same again; "" where it was not kept."""
-        return self._entry("command") or ""
+        return self._text("command")
 
     def keep_command(self, command: str) -> None:
         """Keep the command that does the same again; "" leaves that of before."""
+        command = command.encode("utf-8", "backslashreplace").decode()  # names of files need not be text
         if command and command != self.command:
             self._enter("command", command)
 
     @property
     def hold(self) -> str:
         """Conditions that the result is to hold under, as they were asked for; "" where nobody asked."""
-        return self._entry("hold") or ""
+        return self._text("hold")
 
     @property
     def advice(self) -> list[str]:
         """What to try where its result is not confirmed, beside what flights say; empty where nothing was found out."""
-        return json.loads(self._entry("advice") or "[]")
+        with self._database.decoding("its advice"):
+            return [str(line) for line in json.loads(self._text("advice") or "[]")]
 
     def keep_advice(self, advice: Sequence[str]) -> None:
         """Keep what to try, in place of that of before."""
@@ -231,12 +230,13 @@ class Study(Framed):
     @property
     def plans(self) -> list[TriedPlan]:
         """The plans that were tried before this one was chosen, this one among them, in the order tried; empty where the race fixes it."""
-        return [TriedPlan.load(plain) for plain in json.loads(self._entry("plans") or "[]")]
+        with self._database.decoding("its plans"):
+            return [TriedPlan.load(plain) for plain in json.loads(self._text("plans") or "[]")]
 
     @property
     def beside(self) -> float:
         """[s] that choosing its plan took beside its own search; 0 where the race fixes it, or time is not counted."""
-        return float(self._entry("beside") or 0.0)
+        return self._seconds("beside")
 
     def record_plans(self, plans: Sequence[TriedPlan], beside: float = 0.0) -> None:
         """Keep which plans were tried, and [s] what that took beside the search of this one, where time is counted."""
@@ -248,12 +248,23 @@ class Study(Framed):
     @property
     def openings(self) -> list[tuple[str, dict[str, str]]]:
         """When it was opened to be continued, with the versions of the software that did."""
-        rows = self._database.execute("SELECT time, versions FROM opening ORDER BY rowid")
-        return [(moment, json.loads(versions)) for moment, versions in rows]
+        rows = self._database.rows("opening")
+        with self._database.decoding("when it was opened"):
+            return [(str(moment), {**json.loads(versions)}) for moment, versions in rows]
+
+    @property
+    def codes(self) -> set[str]:
+        """Digests of the source code that it was opened with to be continued; "" for versions that kept none."""
+        return {str(versions.get("code", "")) for _, versions in self.openings}
 
     def flights(self) -> Ledger:
         """All flights: search and confirmation in the order flown, then the selection, then the validation."""
-        rows = self._database.execute(_SELECT)
+        rows = self._database.rows("flight", order=_ORDER)
+        with self._database.decoding("its flights"):
+            return self._as_ledger(rows)
+
+    def _as_ledger(self, rows: Sequence[tuple[Any, ...]]) -> Ledger:
+        """Flights as they are recorded."""
         streams, numbers, seeds, parameters, *floats, accepted = zip(*rows, strict=True) if rows else [()] * 11
         cost, completion, failed_segment, mean_error, max_error, lap_time = floats
         return Ledger(
@@ -284,7 +295,7 @@ class Study(Framed):
         change = json.dumps(increment(before, batch.state), allow_nan=False)
         with self._transaction():
             self._insert(batch.ledger)
-            self._database.execute("INSERT INTO increment VALUES (?)", (change,))
+            self._append("increment", change)
         self._state = grow(before, json.loads(change))  # shares no memory with the tuner
 
     def run(
@@ -304,6 +315,9 @@ class Study(Framed):
         """
         self._check(objective)
         tuning = self.tuning
+        if tuning.flights and not tuning.done and self.codes - {digest_of_flights()}:
+            told = "some of its flights are of other source code than this; on one code alone it is tuned in a new folder"
+            warnings.warn(f"{self.folder}: {told}", stacklevel=2)
         tuning.together = self.configuration.settings.batch if is_slow(objective.world) else 0
         self._clock, self._mark = clock, clock()
         keeper = Timekeeper(tuning, objective, self.wall_time, clock)
@@ -317,8 +331,9 @@ class Study(Framed):
 
     def _recorded_state(self) -> Any:
         """The state of the run after the last recorded batch, put together from its increments; None before the first."""
-        rows = self._database.execute("SELECT change FROM increment ORDER BY rowid")
-        return reduce(grow, (json.loads(change) for (change,) in rows), None)
+        rows = self._database.rows("increment")
+        with self._database.decoding("the state of its run"):
+            return reduce(grow, (json.loads(change) for (change,) in rows), None)
 
     def _check(self, objective: Objective) -> None:
         """Whether an objective flies what is recorded; scenarios are too large to be compared at every opening."""
@@ -336,7 +351,7 @@ class Study(Framed):
         """Everything but flights, in one transaction."""
         self.configuration = configuration
         with self._transaction():
-            self._database.create(_SCHEMA)
+            self._database.create()
             self._enter("configuration", json.dumps(configuration.dump(), allow_nan=False))
             self._enter("fingerprint", configuration.fingerprint)
             self._enter("reference", pack_reference(configuration.scenario.reference))
@@ -345,15 +360,17 @@ class Study(Framed):
     def _continue(self, configuration: Configuration) -> None:
         """Check that the study is the one asked for; take over a larger budget."""
         plain, asked = self._plain_configuration(), configuration.dump()
-        difference = first_difference(plain, asked)
+        with self._database.decoding("its configuration"):
+            difference = first_difference(plain, asked)
+            rival, name, budget = load_rival(plain), str(plain["first_guess_name"]), int(plain["budget"])
         if difference is not None:
             key, mine, theirs = difference
             reason = f"this study has {_show(mine)}, asked for is {_show(theirs)}; another study needs another folder"
             raise StudyError(str(self.folder), key, reason)
-        if asked["budget"] < plain["budget"]:
-            reason = f"this study has {plain['budget']} flights and may be given more, not {asked['budget']}"
+        if asked["budget"] < budget:
+            reason = f"this study has {budget} flights and may be given more, not {asked['budget']}"
             raise StudyError(str(self.folder), "budget", reason)
-        self.configuration = replace(configuration, first_guess_name=plain["first_guess_name"], rival=load_rival(plain))
+        self.configuration = replace(configuration, first_guess_name=name, rival=rival)
         with self._transaction():
             taken_over = {key: asked[key] for key in ("budget", "selection", "minutes")}
             self._enter("configuration", json.dumps({**plain, **taken_over}, allow_nan=False))
@@ -363,13 +380,14 @@ class Study(Framed):
         """The configuration as it was recorded."""
         text = self._entry("configuration")
         if text is None:
-            raise StudyError(str(self.folder), "", f"{FILE} is damaged: it has lost its configuration")
-        return json.loads(text)
+            raise self._database.damaged("it has lost its configuration")
+        with self._database.decoding("its configuration"):
+            return {**json.loads(text)}
 
     def _note_opening(self) -> None:
         """When, and with which versions."""
         moment = datetime.now().astimezone().isoformat(timespec="seconds")
-        self._database.execute("INSERT INTO opening VALUES (?, ?)", (moment, json.dumps(versions_now())))
+        self._append("opening", moment, json.dumps(versions_now()))
 
     def _insert(self, ledger: Ledger) -> None:
         """Add flights."""
@@ -385,16 +403,37 @@ class Study(Framed):
         streams = [Stream(stream).name for stream in ledger.streams.tolist()]
         blobs = [parameters.astype("<f8").tobytes() for parameters in ledger.parameters]
         columns = (values.tolist() for values in floats)
-        self._database.insert(_INSERT, zip(streams, ledger.numbers.tolist(), ledger.seeds.tolist(), blobs, *columns, strict=True))
+        rows = zip(streams, ledger.numbers.tolist(), ledger.seeds.tolist(), blobs, *columns, strict=True)
+        self._database.insert(_INSERT, ((*row, checksum(row)) for row in rows))
+
+    def _append(self, table: str, *values: str) -> None:
+        """Add a row to a table whose checksums are a chain."""
+        last = self._database.execute(f"SELECT digest FROM {table} ORDER BY rowid DESC LIMIT 1")  # noqa: S608  a name of ours
+        with self._database.decoding(f"what was recorded as {table}"):
+            digest = checksum(values, last[0][0] if last else 0)
+        marks = ", ".join("?" * (len(values) + 1))
+        self._database.execute(f"INSERT INTO {table} VALUES ({marks})", (*values, digest))  # noqa: S608  likewise
+
+    def _seconds(self, key: str) -> float:
+        """A time [s], 0 where none is recorded."""
+        with self._database.decoding(key):
+            return float(self._entry(key) or 0.0)
+
+    def _text(self, key: str) -> str:
+        """A text, "" where none is recorded."""
+        found = self._entry(key) or ""
+        if not isinstance(found, str):
+            raise self._database.damaged(f"{key} cannot be read back")
+        return found
 
     def _entry(self, key: str) -> Any:
         """A value by its key, None if there is none."""
-        rows = self._database.execute("SELECT value FROM entry WHERE key = ?", (key,))
-        return rows[0][0] if rows else None
+        rows = self._database.rows("entry", where="key = ?", values=(key,), order="key")
+        return rows[0][1] if rows else None
 
     def _enter(self, key: str, value: str | bytes | float) -> None:
         """Set a value, within a transaction."""
-        self._database.execute("INSERT OR REPLACE INTO entry VALUES (?, ?)", (key, value))
+        self._database.execute("INSERT OR REPLACE INTO entry VALUES (?, ?, ?)", (key, value, checksum((key, value))))
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -432,6 +471,14 @@ def new_folder(race: str, parent: Path = RUNS) -> Path:
             raise InputError(str(folder), "", f"cannot be made: {error.strerror}") from None
         return folder
     raise InputError(str(parent / stem), "", "exists already, a thousand times")
+
+
+def _is_there(folder: Path) -> bool:
+    """Whether a folder has something in the place of a study; a name that cannot be one is said by who opens it."""
+    try:
+        return (folder / FILE).exists()
+    except (OSError, ValueError):
+        return True
 
 
 def count_flights(folder: str | Path) -> int:

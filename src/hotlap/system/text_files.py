@@ -1,12 +1,13 @@
-"""Text files: written whole or not at all, and the operating system's complaints in its own words."""
+"""Text files: written whole or not at all."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+import os
+from contextlib import suppress
 from pathlib import Path
 
 from hotlap.core.errors import InputError
+from hotlap.system.whole_files import cause_of, new_part, not_written, sync, written_whole
 
 
 def create(path: str | Path, text: str) -> None:
@@ -17,17 +18,29 @@ def create(path: str | Path, text: str) -> None:
     """
     path = Path(path)
     try:
-        file = path.open("x", encoding="utf-8")
+        part = new_part(path.parent)
         try:
-            with file:
-                file.write(text)
-        except BaseException:
-            path.unlink(missing_ok=True)
-            raise
+            part.write_text(text, encoding="utf-8")
+            sync(part)
+            _name_new(part, path)
+            sync(path.parent)
+        finally:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
     except FileExistsError:
         raise InputError(str(path), "", "exists already and is left as it is") from None
     except (OSError, ValueError) as error:
-        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
+        raise not_written(path, error) from None
+
+
+def _name_new(part: Path, path: Path) -> None:
+    """Give a file its name, which nothing may have yet."""
+    try:
+        path.hardlink_to(part)
+    except OSError:
+        if os.path.lexists(path):
+            raise FileExistsError from None
+        part.replace(path)  # a file system without second names
 
 
 def replace(path: str | Path, text: str) -> None:
@@ -41,26 +54,3 @@ def replace(path: str | Path, text: str) -> None:
             part.write_text(text, encoding="utf-8")
     except ValueError as error:
         raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
-
-
-@contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
-    """Gives the path of a file to write, which then takes the place of another; where it cannot, nothing of it is left.
-
-    Raises:
-        InputError: when it cannot be written.
-    """
-    part = path.with_name(path.name + ".part")
-    try:
-        yield part
-        part.replace(path)
-    except OSError as error:
-        raise InputError(str(path), "", f"cannot be written: {cause_of(error)}") from None
-    finally:
-        with suppress(OSError, ValueError):
-            part.unlink(missing_ok=True)
-
-
-def cause_of(error: Exception) -> str:
-    """The operating system's words, without number and file name."""
-    return (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.core.own_code import import_own
 from hotlap.core.renamed import say_renamed
 from hotlap.tuners.renamed import current_name
 from hotlap.tuners.tuner import Tuner
@@ -86,7 +87,7 @@ def _import(path: str) -> tuple[Maker, Presets]:
     """A class and its presets from a module outside of hotlap."""
     place, _, name = path.rpartition(".")
     try:
-        module = import_module(place)
+        module = import_own(place)
         made, presets = getattr(module, name), module.PRESETS
     except Exception as error:  # a module of someone else's may raise anything
         reason = " ".join(str(error).split()) or type(error).__name__

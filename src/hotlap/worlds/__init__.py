@@ -18,6 +18,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.core.own_code import import_own
 from hotlap.core.world_names import BUILT_IN, OWN, SIMULATORS
 from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.simulator import Simulator
@@ -77,7 +78,7 @@ def _import(path: str) -> Callable[..., Any]:
     """What opens a simulator of one's own: a class, or a function."""
     place, _, name = path.rpartition(".")
     try:
-        opened = getattr(import_module(place), name)
+        opened = getattr(import_own(place), name)
     except Exception as error:  # a module of someone else's may raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError("", "on", f"{path} cannot be imported: {reason}") from error

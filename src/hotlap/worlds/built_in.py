@@ -18,7 +18,6 @@ from hotlap.core.records import Flights
 from hotlap.core.world_names import BUILT_IN
 from hotlap.race.plant_kind import PLAIN, plant_kind_of
 from hotlap.reference.scenario import Scenario
-from hotlap.system.numba_start import defer_blas
 
 if TYPE_CHECKING:
     from hotlap.flight.fly import Effort
@@ -52,14 +51,12 @@ class BuiltIn:
     @cached_property
     def numbers(self) -> Numbers:
         """Kind of number that was asked for."""
-        defer_blas()
         from hotlap.flight.numbers import Numbers, best_numbers  # noqa: PLC0415  the flight core loads a compiler
 
         return Numbers(self._numbers) if self._numbers else best_numbers()
 
     def needs_compiling(self, scenario: Scenario) -> bool:
         """Whether the kernel for a scenario must be compiled before its next flight."""
-        defer_blas()
         from hotlap.flight import kernel, kernel_cache  # noqa: PLC0415
 
         return not kernel_cache.is_filled(kernel.worker(self.numbers, scenario.race.controller.law, plant_kind_of(scenario.race.vehicle)))

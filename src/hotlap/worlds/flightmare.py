@@ -13,7 +13,6 @@ Single-rotor thrusts are sent because flightlib's own rate mode limits the colle
 
 from __future__ import annotations
 
-from importlib import import_module
 from types import ModuleType
 from typing import Any
 
@@ -21,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
+from hotlap.core.own_code import import_own
 from hotlap.core.printable import printable
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.reference.scenario import Scenario
@@ -139,7 +139,7 @@ def _module(name: str) -> ModuleType:
     if not name:
         raise InputError("", "on", "flightmare needs the module that you have built for flightlib: flightmare:my_module")
     try:
-        return import_module(name)
+        return import_own(name)
     except Exception as error:
         raise InputError("", "on", f"the module {name} cannot be loaded: {_in_words(error)}") from error
 

@@ -7,7 +7,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from hotlap.flight.kernel_cache import keep
@@ -88,6 +87,8 @@ class PlantSimulator:
 @cache
 def _functions(kind: str) -> tuple[Any, Any]:
     """Two compiled functions of a kind of plant: make a drone ready for a flight, and fly so many steps under one command."""
+    from numba import njit  # noqa: PLC0415  the flight core starts it
+
     plant = plant_functions(kind)
     settle, fly_period, name = plant.settle, plant.fly_period, "" if kind == PLAIN else f"-{kind}"
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
-from hotlap.system.text_files import written_whole
+from hotlap.system.whole_files import written_whole
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -17,7 +17,7 @@ from hotlap.files.parameters_file import SavedParameters
 from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort
-from hotlap.report.history import collect, succeeded
+from hotlap.report.history import CHAINS, collect, succeeded, verdicts, with_parameters
 from hotlap.report.page.packing import number, numbers, pack, thin
 from hotlap.report.page.replay import BEST, DEFAULT, FIRST, Replay
 from hotlap.report.page.standing import dump_structures
@@ -25,6 +25,7 @@ from hotlap.report.response import respond
 from hotlap.report.scene import Repeats, Trace
 from hotlap.study.kept_guess import find_kept_guess
 from hotlap.study.snapshot import Snapshot
+from hotlap.tuning.goal import Quantity
 
 FORMAT = 1
 MOST_SAMPLES, MOST_VALUES = 2000, 150_000  # search flights whose parameters are sent, and numbers in them
@@ -138,9 +139,17 @@ def _flights(snapshot: Snapshot) -> dict[str, Any]:
         "stream": [STREAMS[Stream(stream)] for stream in ledger.streams.tolist()],
         "accepted": ledger.accepted.astype(int).tolist(),
         "succeeded": succeeded(ledger, settings.goal).astype(int).tolist(),
+        "tuned": with_parameters(ledger, snapshot.best).astype(int).tolist(),
+        "chain": _is_chain(snapshot),
+        "verdicts": list(verdicts(goal=settings.goal.quantity is not Quantity.NONE)),
         "failed_segment": ledger.failed_segment.tolist(),
         "cost_name": snapshot.configuration.cost_name,
     }
+
+
+def _is_chain(snapshot: Snapshot) -> bool:
+    """Whether what the tuner accepts says where it goes on from."""
+    return snapshot.configuration.tuner.partition(":")[0] in CHAINS
 
 
 def _parameters(snapshot: Snapshot) -> dict[str, Any]:
@@ -168,6 +177,8 @@ def _samples(snapshot: Snapshot) -> dict[str, Any]:
         "accepted": samples.accepted.astype(int).tolist(),
         "completion": pack(samples.completion),
         "succeeded": samples.succeeded.astype(int).tolist(),
+        "chain": _is_chain(snapshot),
+        "verdicts": list(verdicts(goal=samples.goal)),
         "of": int((snapshot.ledger.streams == int(Stream.SEARCH)).sum()),
     }
 

@@ -120,7 +120,7 @@ def _facts(snapshot: Snapshot) -> dict[str, object]:
         "goal": str(settings.goal),
         "seed": settings.seed,
         "flights": "" if result is None else f"{result.flights} of at most {settings.budget}, re-flights included",
-        "wall time": "" if result is None else f"{result.wall_time:.1f} s",
+        "search time": "" if result is None else f"{result.wall_time:.1f} s",
         "remark": snapshot.remark,
         "world": asked.world,
         "fingerprint": asked.fingerprint,
@@ -155,6 +155,9 @@ def _failure(snapshot: Snapshot, replay: Replay) -> Iterator[str]:
     """Why a study failed, as its flights ended and as far as causes are known, and what to try."""
     ends = Counter(replay.scene.repeats[0].ends).most_common(MOST_ENDS) if replay.scene.repeats else []
     flown = [f"{number} of {replay.scene.repeats[0].flights} new flights {end}" for end, number in ends]
+    if replay.scene.repeats and not flown:
+        goal = snapshot.configuration.settings.goal
+        flown = [f"all {replay.scene.repeats[0].flights} new flights passed every gate, but the goal ({goal}) asks for more"]
     yield element("h2", "Why it failed") + _list([*flown, *why(failures_of(replay.robustness[:1]))])
     yield from _advice(snapshot, replay)
 

@@ -8,12 +8,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
+from hotlap.system import sealed
 from hotlap.system.disk_cache import folder
+from hotlap.system.ownership import make_private
 from hotlap.system.text_files import cause_of
 from hotlap.worlds.simulator import SimulatorError
 
@@ -56,9 +57,10 @@ def shim() -> Path:
         SimulatorError: there is no compiler, or no place for what it makes.
     """
     source = SOURCE.read_bytes()
-    path = private_folder() / f"lockstep-{hashlib.sha256(source).hexdigest()[:16]}.so"
-    if not path.exists():
-        _compile(path)
+    made_of = hashlib.sha256(" ".join((*OPTIONS, *LIBRARIES, "")).encode() + source).hexdigest()
+    path = private_folder() / f"lockstep-{made_of[:16]}.so"
+    if sealed.read(path) is None and not sealed.write(path, _compile()):
+        raise SimulatorError(f"betaflight's clock cannot be kept in {path.parent}")
     return path
 
 
@@ -66,35 +68,30 @@ def private_folder() -> Path:
     """Where the shim and configurations are kept: a folder that nobody else may write to, since programs are loaded from it.
 
     Raises:
-        SimulatorError: it cannot be made, or is not ours alone.
+        InputError: it is not ours alone.
+        SimulatorError: it cannot be made.
     """
     place = folder(PACKAGE)
     try:
-        place.mkdir(mode=0o700, parents=True, exist_ok=True)
-        status = place.stat()
+        make_private(place)
     except OSError as error:
         raise SimulatorError(f"betaflight needs a cache folder: {place}: {cause_of(error)}") from None
-    if status.st_uid != os.getuid() or status.st_mode & 0o022:
-        raise SimulatorError(f"{place}: others may write to it, so no program is loaded from it: chmod 700 {place}")
     return place
 
 
-def _compile(path: Path) -> None:
-    """Build the shim, whole or not at all."""
+def _compile() -> bytes:
+    """Build the shim."""
     compiler = next((found for name in (os.environ.get("CC", ""), "cc", "gcc", "clang") if name and (found := shutil.which(name))), None)
     if compiler is None:
         raise SimulatorError("betaflight needs a C compiler to build its clock: install gcc")
-    number, part = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    os.close(number)
     try:
-        command = [compiler, *OPTIONS, "-o", part, str(SOURCE), *LIBRARIES]
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=LONGEST_BUILD, check=False)
-        if done.returncode:
-            complaint = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip().partition("\n")[0])
-            raise SimulatorError(f"{compiler} cannot build betaflight's clock: {complaint}")
-        Path(part).replace(path)
+        with tempfile.TemporaryDirectory(prefix="hotlap-betaflight-") as made:
+            library = Path(made, "lockstep.so")
+            command = [compiler, *OPTIONS, "-o", str(library), str(SOURCE), *LIBRARIES]
+            done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=LONGEST_BUILD, check=False)
+            if done.returncode:
+                complaint = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip().partition("\n")[0])
+                raise SimulatorError(f"{compiler} cannot build betaflight's clock: {complaint}")
+            return library.read_bytes()
     except (OSError, subprocess.TimeoutExpired) as error:
         raise SimulatorError(f"{compiler} cannot build betaflight's clock: {error}") from None
-    finally:
-        with suppress(OSError):
-            Path(part).unlink()

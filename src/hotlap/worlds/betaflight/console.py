@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 import socket
 import subprocess
@@ -17,13 +16,13 @@ from time import monotonic
 
 from hotlap.core.errors import InputError
 from hotlap.core.printable import printable
+from hotlap.system import sealed
 from hotlap.worlds.betaflight import built
 from hotlap.worlds.betaflight.link import EEPROM, PATIENCE, launch
 from hotlap.worlds.betaflight.settings import DEVICES, Line
 from hotlap.worlds.simulator import SimulatorError
 
 PROMPT = b"\r\n# "
-DIGEST = 32  # bytes of a checksum before what is kept
 KNOCK = 0.2  # s between two attempts to be let in
 MOST_NAMED = 8  # lines, of those that are refused
 ERROR_IN = re.compile(r"^ERROR IN \w+: ")
@@ -56,18 +55,13 @@ def configured(lines: Sequence[Line], patience: float = PATIENCE) -> bytes:
     """
     texts = "\n".join(line.text for line in lines)
     mark = hashlib.sha256(f"{_fingerprint(built.firmware())}\n{texts}".encode()).hexdigest()[:24]
-    kept = built.private_folder() / f"{mark}.eeprom"
-    with suppress(OSError):
-        content = kept.read_bytes()
-        if content[:DIGEST] == hashlib.sha256(content[DIGEST:]).digest():
-            return content[DIGEST:]
+    kept = built.private_folder() / f"{mark}.bin"
+    known = sealed.read(kept)
+    if known is not None:
+        return known
     eeprom, refusals = configure(lines, patience)
     _complain(refusals)
-    with suppress(OSError):
-        number, part = tempfile.mkstemp(dir=kept.parent, suffix=".part")
-        with os.fdopen(number, "wb") as file:
-            file.write(hashlib.sha256(eeprom).digest() + eeprom)
-        Path(part).replace(kept)
+    sealed.write(kept, eeprom)
     return eeprom
 
 

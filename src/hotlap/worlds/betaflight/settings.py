@@ -14,6 +14,7 @@ from pathlib import Path
 
 from hotlap.core.errors import InputError
 from hotlap.race.quadrotor import RotorLayout
+from hotlap.system.regular_files import read_text
 from hotlap.system.text_files import cause_of
 
 IDLE = 0.055  # motor output at no throttle, as stock
@@ -108,14 +109,10 @@ def read_lines(path: str | Path) -> tuple[Line, ...]:
         InputError: it cannot be read, or is no text.
     """
     try:
-        with Path(path).expanduser().open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-        text = content.decode("utf-8-sig")
-    except (OSError, ValueError) as error:
-        cause = "is no text" if isinstance(error, UnicodeDecodeError) else f"cannot be read: {cause_of(error)}"
-        raise InputError(str(path), "", cause) from None
-    if len(content) > LARGEST_FILE:
-        raise InputError(str(path), "", "is too long for lines of Betaflight's command line")
+        path = Path(path).expanduser()
+    except RuntimeError as error:
+        raise InputError(str(path), "", f"is no usable path: {cause_of(error)}") from None
+    text = read_text(path, LARGEST_FILE, "these are no lines of Betaflight's command line")
     lines = (Line(line.strip(), str(path), number) for number, line in enumerate(text.splitlines(), 1))
     kept = tuple(line for line in lines if line.text and not LEFT_OUT.match(line.text))
     if any(not line.text.isprintable() for line in kept):
