@@ -8,7 +8,8 @@ the result, and writes a page about it:
     tuned = hotlap.tune("circle-34", out="runs/mine")
     tuned.confirmed, tuned.validation, tuned.values, tuned.report
 
-`hotlap.check`, `plan`, `fly`, `transfer`, `compare` and `export` do likewise. The pieces of which they are made are reached by package:
+`hotlap.check`, `plan`, `fly`, `score`, `transfer`, `compare` and `export` do likewise. The pieces of which they are made are reached by
+package:
 
     from hotlap import tuners
     from hotlap.planning.preparation import prepare
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from hotlap.api.exporting import export
     from hotlap.api.flying import fly
     from hotlap.api.planning import plan
+    from hotlap.api.scoring import score
     from hotlap.api.transferring import transfer
     from hotlap.api.tuning import tune
     from hotlap.core.errors import HotlapError, InputError, PlanningError
@@ -59,6 +61,7 @@ __all__ = [
     "load_parameters",
     "load_race",
     "plan",
+    "score",
     "transfer",
     "tune",
 ]
@@ -69,6 +72,7 @@ _HOMES = {
     "api.exporting": ("export",),
     "api.flying": ("fly",),
     "api.planning": ("plan",),
+    "api.scoring": ("score",),
     "api.transferring": ("transfer",),
     "api.tuning": ("tune",),
     "core.errors": ("HotlapError", "InputError", "PlanningError"),

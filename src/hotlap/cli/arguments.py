@@ -14,6 +14,7 @@ from hotlap.api.exporting import export
 from hotlap.api.flying import fly
 from hotlap.api.importing import import_file
 from hotlap.api.planning import plan
+from hotlap.api.scoring import score
 from hotlap.api.transferring import transfer
 from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
@@ -122,6 +123,10 @@ def _fly(parser: Parser) -> None:
 
 def _transfer(parser: Parser) -> None:
     add_call(parser, transfer)
+
+
+def _score(parser: Parser) -> None:
+    add_call(parser, score, log=Shown("LOG"), out=Shown("FILE"))
 
 
 def _report(parser: Parser) -> None:
@@ -274,6 +279,13 @@ COMMANDS: Mapping[str, Command] = {
         "a page with the tracking errors. Every flight is kept when it has ended; the same command goes on where it was interrupted.",
         _transfer,
         ("hotlap transfer runs/mine --to betaflight", "hotlap transfer runs/mine --to rotorpy,crazyflow --flights 10"),
+    ),
+    "score": Command(
+        "judge a flight that really happened",
+        "Read the log of a flight, judge it by the judge of a race, and set it beside simulated flights: gates passed, lap time, error,\n"
+        "command effort. Reads logs of PX4, Betaflight, ArduPilot, ROS and tables; pip install 'hotlap[logs]'.",
+        _score,
+        ("hotlap score flight.ulg --race circle-34 --align", "hotlap score flight.csv --race my-race.toml --out flight.html"),
     ),
     "report": Command(
         "write the page of a study again",

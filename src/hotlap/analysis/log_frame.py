@@ -1,0 +1,169 @@
+"""Log frame: when the flight of a log began, and how its frame lies in that of the race."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hotlap.core.errors import InputError
+from hotlap.core.records import Floats
+from hotlap.core.shown import Shown
+from hotlap.logs.flight_log import FlightLog, Signal
+from hotlap.logs.hotlap_csv import KIND as OWN
+from hotlap.reference.scenario import Scenario
+
+STEP = 0.02  # s between the points that are laid over each other
+COARSE, FINE = 0.05, 0.002  # s between starts that are tried
+LEAST_SHARE = 0.5  # of the lap that a start must leave room for
+REACH = 4.0  # m from the start, beyond which a drone has left it, or half as far as the race goes
+POOR = 1.5  # m root mean square, from which on a fit is none
+
+
+@dataclass(frozen=True, repr=False)
+class LogFrame(Shown):
+    """Where a log lies in the race.
+
+    Attributes:
+        start: [s] of the log's clock at which the race begins.
+        yaw: [rad] by which the log is turned, about z.
+        shift: shape (3,) [m] by which it is moved then.
+        residual: [m] root mean square that a fit has left; NaN where nothing was fitted.
+        words: how it was found.
+    """
+
+    start: float
+    yaw: float
+    shift: Floats
+    residual: float
+    words: str
+
+    def points(self, points: Floats) -> Floats:
+        """Points of the log, shape (n, 3), in the race's frame."""
+        return self.vectors(points) + self.shift
+
+    def vectors(self, vectors: Floats) -> Floats:
+        """Vectors of the log's world, shape (n, 3), in the race's frame."""
+        if not self.yaw:
+            return vectors
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return vectors @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    def attitudes(self, attitudes: Floats) -> Floats:
+        """Attitudes, shape (n, 4), in the race's frame."""
+        if not self.yaw:
+            return attitudes
+        c, s = math.cos(self.yaw / 2), math.sin(self.yaw / 2)
+        w, x, y, z = attitudes.T
+        return np.column_stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w])
+
+
+def find_frame(log: FlightLog, scenario: Scenario, *, align: bool = False, start: float | None = None) -> LogFrame:
+    """Where a log lies in the race.
+
+    Without `align` its frame is the race's, and it begins when the drone is as far from the start as the reference is then.
+
+    Args:
+        log: with positions.
+        scenario: with the reference.
+        align: fit a shift and a turn about z that lay the log over the reference, and the start as well where it is not given.
+        start: [s] of the log's clock at which the race begins.
+
+    Raises:
+        InputError: no start is found, or nothing fits.
+    """
+    if align:
+        return _fit(log, scenario, start)
+    still = np.zeros(3)
+    if start is not None:
+        _check_start(log, start)
+        return LogFrame(start, 0.0, still, math.nan, "as it was logged; the start as given")
+    if log.kind == OWN:
+        return LogFrame(0.0, 0.0, still, math.nan, "as it was logged; hotlap's own log begins at the start")
+    found = _leave_start(log, log.signals["position"], scenario)
+    return LogFrame(found, 0.0, still, math.nan, "as it was logged; the start by when the drone left it")
+
+
+def _check_start(log: FlightLog, start: float) -> None:
+    position = log.signals["position"].times
+    if not position[0] <= start < position[-1]:
+        raise InputError(
+            "", "start", f"must be from {position[0]:.2f} to {position[-1]:.2f} s, where {log.name} has positions, not {start:g}"
+        )
+
+
+def _leave_start(log: FlightLog, position: Signal, scenario: Scenario) -> float:
+    """[s] of the log's clock at which the race began: drone and reference are as far from the start as each other when they leave it."""
+    path, begin = scenario.reference.position[: scenario.reference.planned_rows], scenario.reference.position[0]
+    planned = np.linalg.norm(path - begin, axis=1)
+    far = min(REACH, planned.max() / 2)
+    flown = np.linalg.norm(position.values - begin, axis=1)
+    if flown.min() > far / 2:
+        place = ", ".join(f"{value:.1f}" for value in begin)
+        raise InputError(
+            log.name,
+            "",
+            f"comes no nearer than {flown.min():.1f} m to the start of {scenario.race.name} ({place}): "
+            "align=... lays it over the reference, start=... says when it began",
+        )
+    begun = int(np.argmax(flown <= far / 2))
+    beyond = np.flatnonzero(flown[begun:] > far)
+    if not len(beyond):
+        raise InputError(log.name, "", f"never leaves the start of {scenario.race.name} by more than {far:.1f} m")
+    last = begun + int(beyond[0])
+    before = int(np.flatnonzero(flown[:last] <= far / 2)[-1])
+    row = int(np.argmax(planned > far / 2)) - 1
+    there = _crossing(position.times[before : before + 2], flown[before : before + 2], far / 2)
+    return there - _crossing(scenario.reference.times[row : row + 2], planned[row : row + 2], far / 2)
+
+
+def _crossing(times: Floats, distances: Floats, distance: float) -> float:
+    """[s] at which a distance is reached between two samples."""
+    (a, b), (t, u) = distances, times
+    return float(t + (u - t) * (distance - a) / (b - a)) if b > a else float(u)
+
+
+def _fit(log: FlightLog, scenario: Scenario, start: float | None) -> LogFrame:
+    """The shift, turn and start that leave the least distance between log and reference."""
+    position, length = log.signals["position"], scenario.reference.lap_time
+    moments = np.arange(0.0, length, STEP)
+    planned = scenario.reference.position_at(moments)
+    if start is not None:
+        _check_start(log, start)
+        best = start
+    else:
+        last = position.times[-1] - LEAST_SHARE * length
+        if last <= position.times[0]:
+            raise InputError(log.name, "", f"lasts {position.times[-1] - position.times[0]:.1f} s, too short for a lap of {length:.1f} s")
+        best = _best(np.arange(position.times[0], last, COARSE), position, moments, planned)
+        best = _best(np.arange(best - COARSE, best + COARSE, FINE), position, moments, planned)
+    yaw, shift, residual = _lay_over(position.at(best + moments), planned)
+    if not residual <= POOR:
+        raise InputError(log.name, "", f"no shift and turn lay it over {scenario.race.name}: {residual:.1f} m are left")
+    told = f"turned by {math.degrees(yaw):.1f} deg and shifted by ({', '.join(f'{value:.2f}' for value in shift)}) m"
+    words = f"{told} to lie over the reference, which leaves {residual:.2f} m and flatters the errors"
+    return LogFrame(best, yaw, shift, residual, words)
+
+
+def _best(starts: Floats, position: Signal, moments: Floats, planned: Floats) -> float:
+    """The start after which the flight has the form of the reference most of all."""
+    left = [_lay_over(position.at(start + moments), planned)[2] for start in starts.tolist()]
+    return float(starts[int(np.argmin(left))])
+
+
+def _lay_over(flown: Floats, planned: Floats) -> tuple[float, Floats, float]:
+    """Turn about z [rad] and shift that lay points over others, shape (n, 3), and what is left [m]; infinite for too few points."""
+    known: NDArray[np.bool_] = np.isfinite(flown).all(axis=1)
+    if known.sum() < max(3, LEAST_SHARE * len(flown) - 1):
+        return 0.0, np.zeros(3), math.inf
+    flown, planned = flown[known], planned[known]
+    centre, target = flown.mean(axis=0), planned.mean(axis=0)
+    here, there = (flown - centre) @ [1, 1j, 0], (planned - target) @ [1, 1j, 0]
+    turn = complex(np.vdot(here, there))
+    yaw = math.atan2(turn.imag, turn.real)
+    frame = LogFrame(0.0, yaw, np.zeros(3), math.nan, "")
+    shift = target - frame.points(centre[None])[0]
+    left = frame.points(flown) + shift - planned
+    return yaw, shift, float(np.sqrt((left**2).sum(axis=1).mean()))
