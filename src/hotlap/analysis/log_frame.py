@@ -19,7 +19,8 @@ STEP = 0.02  # s between the points that are laid over each other
 COARSE, FINE = 0.05, 0.002  # s between starts that are tried
 LEAST_SHARE = 0.5  # of the lap that a start must leave room for
 REACH = 4.0  # m from the start, beyond which a drone has left it, or half as far as the race goes
-POOR = 1.5  # m root mean square, from which on a fit is none
+TINY = 1e-9  # m
+POOR = 0.5  # of the spread of the reference: who leaves more has flown something else
 
 
 @dataclass(frozen=True, repr=False)
@@ -138,9 +139,10 @@ def _fit(log: FlightLog, scenario: Scenario, start: float | None) -> LogFrame:
         if last <= position.times[0]:
             raise InputError(log.name, "", f"lasts {position.times[-1] - position.times[0]:.1f} s, too short for a lap of {length:.1f} s")
         best = _best(np.arange(position.times[0], last, COARSE), position, moments, planned)
-        best = _best(np.arange(best - COARSE, best + COARSE, FINE), position, moments, planned)
-    yaw, shift, residual = _lay_over(position.at(best + moments), planned)
-    if not residual <= POOR:
+        near = np.arange(max(best - COARSE, position.times[0]), best + COARSE, FINE)
+        best = _best(near, position, moments, planned)
+    yaw, shift, residual, share = _lay_over(position.at(best + moments), planned)
+    if share > POOR:
         raise InputError(log.name, "", f"no shift and turn lay it over {scenario.race.name}: {residual:.1f} m are left")
     told = f"turned by {math.degrees(yaw):.1f} deg and shifted by ({', '.join(f'{value:.2f}' for value in shift)}) m"
     words = f"{told} to lie over the reference, which leaves {residual:.2f} m and flatters the errors"
@@ -149,15 +151,18 @@ def _fit(log: FlightLog, scenario: Scenario, start: float | None) -> LogFrame:
 
 def _best(starts: Floats, position: Signal, moments: Floats, planned: Floats) -> float:
     """The start after which the flight has the form of the reference most of all."""
-    left = [_lay_over(position.at(start + moments), planned)[2] for start in starts.tolist()]
+    left = [_lay_over(position.at(start + moments), planned)[3] for start in starts.tolist()]
     return float(starts[int(np.argmin(left))])
 
 
-def _lay_over(flown: Floats, planned: Floats) -> tuple[float, Floats, float]:
-    """Turn about z [rad] and shift that lay points over others, shape (n, 3), and what is left [m]; infinite for too few points."""
+def _lay_over(flown: Floats, planned: Floats) -> tuple[float, Floats, float, float]:
+    """Turn about z [rad] and shift that lay points over others, shape (n, 3); what is left [m], and as a share of how far they spread.
+
+    For too few points both are infinite.
+    """
     known: NDArray[np.bool_] = np.isfinite(flown).all(axis=1)
     if known.sum() < max(3, LEAST_SHARE * len(flown) - 1):
-        return 0.0, np.zeros(3), math.inf
+        return 0.0, np.zeros(3), math.inf, math.inf
     flown, planned = flown[known], planned[known]
     centre, target = flown.mean(axis=0), planned.mean(axis=0)
     here, there = (flown - centre) @ [1, 1j, 0], (planned - target) @ [1, 1j, 0]
@@ -165,5 +170,10 @@ def _lay_over(flown: Floats, planned: Floats) -> tuple[float, Floats, float]:
     yaw = math.atan2(turn.imag, turn.real)
     frame = LogFrame(0.0, yaw, np.zeros(3), math.nan, "")
     shift = target - frame.points(centre[None])[0]
-    left = frame.points(flown) + shift - planned
-    return yaw, shift, float(np.sqrt((left**2).sum(axis=1).mean()))
+    left = _spread(frame.points(flown) + shift - planned)
+    return yaw, shift, left, left / max(_spread(planned - target), TINY)
+
+
+def _spread(offsets: Floats) -> float:
+    """Root mean square length of some offsets, shape (n, 3)."""
+    return float(np.sqrt((offsets**2).sum(axis=1).mean()))

@@ -11,12 +11,12 @@ from hotlap.analysis.log_frame import LogFrame
 from hotlap.core.errors import InputError
 from hotlap.core.records import Cause, End, Flights, Floats, Log
 from hotlap.flight.one_flight import OneFlight, prepare_batch
-from hotlap.logs.flight_log import FlightLog
+from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
 from hotlap.race.endings import in_words
 from hotlap.reference.scenario import Scenario
 
-EDGE = 1e-6  # s that a log may begin too late
+EDGE = 0.1  # s that a log may begin too late: the drone is at rest then
 
 
 def judge_log(log: FlightLog, scenario: Scenario, frame: LogFrame) -> Flights:
@@ -68,20 +68,24 @@ def sample(log: FlightLog, frame: LogFrame, times: Floats) -> Floats:
         times: shape (times,) [s] since the start.
     """
     moments, position = frame.start + times, log.signals["position"]
-    moments = np.where(np.abs(moments - position.times[0]) < EDGE, position.times[0], moments)
+    moments = np.where((moments < position.times[0]) & (moments > position.times[0] - EDGE), position.times[0], moments)
     places = frame.points(position.at(moments))
     if "velocity" in log.signals:
-        velocities = log.signals["velocity"].at(moments)
+        velocities = _held(log.signals["velocity"], moments)
     else:
         slopes = np.gradient(position.values, position.times, axis=0)
         velocities = np.column_stack([np.interp(moments, position.times, column) for column in slopes.T])
     attitudes = np.tile([1.0, 0.0, 0.0, 0.0], (len(times), 1))
     if "attitude" in log.signals:
-        known = log.signals["attitude"].at(moments)
-        sizes = np.linalg.norm(known, axis=1, keepdims=True)
-        attitudes = np.where(np.isfinite(sizes), frame.attitudes(known / sizes), attitudes)
-    rates = np.nan_to_num(log.signals["rates"].at(moments)) if "rates" in log.signals else np.zeros((len(times), 3))
-    return np.hstack([places, attitudes, np.nan_to_num(frame.vectors(velocities)), rates])
+        known = _held(log.signals["attitude"], moments)
+        attitudes = frame.attitudes(known / np.maximum(np.linalg.norm(known, axis=1, keepdims=True), 1e-9))
+    rates = _held(log.signals["rates"], moments) if "rates" in log.signals else np.zeros((len(times), 3))
+    return np.hstack([places, attitudes, frame.vectors(velocities), rates])
+
+
+def _held(signal: Signal, times: Floats) -> Floats:
+    """A signal at some times; before its first sample and behind its last those."""
+    return signal.at(np.clip(times, signal.times[0], signal.times[-1]))
 
 
 def commands(log: FlightLog, frame: LogFrame, times: Floats) -> Floats:

@@ -62,22 +62,41 @@ class KeyMap:
         return SCALES.get(signal, {}).get(self.units.get(signal, ""), 1.0)
 
 
-def load_map(path: Path) -> dict[str, Any]:
+class WrittenMap(dict[str, Any]):
+    """A map that was read from a file, which messages name.
+
+    Args:
+        content: of the file.
+        source: its name.
+    """
+
+    def __init__(self, content: Mapping[str, Any], source: str) -> None:
+        super().__init__(content)
+        self.source = source
+
+
+def source_of(given: Mapping[str, Any]) -> str:
+    """The file that a map was read from; "" for none."""
+    return given.source if isinstance(given, WrittenMap) else ""
+
+
+def load_map(path: Path) -> WrittenMap:
     """A map that is written as TOML.
 
     Raises:
         InputError: it cannot be read.
     """
-    return read(path, str(path))
+    return WrittenMap(read(path, str(path)), str(path))
 
 
-def make_map(given: Mapping[str, Any], source: str = "") -> KeyMap:
+def make_map(given: Mapping[str, Any]) -> KeyMap:
     """A map from what was given: columns by signal, `time`, and if need be `units` and `frame`.
 
     Raises:
         InputError: a key is unknown, or a value is of no use.
     """
     columns: dict[str, tuple[str, ...]] = {}
+    source = source_of(given) or "map"
     for key, value in given.items():
         if key in {UNITS, FRAME}:
             continue

@@ -11,6 +11,7 @@ import numpy as np
 from hotlap.core.errors import UnknownNameError
 from hotlap.logs.flight_log import COLUMNS
 from hotlap.logs.frames import rotate
+from hotlap.logs.key_map import source_of
 from hotlap.logs.recording import Recording
 
 Rows = Mapping[str, Sequence[float]]
@@ -80,10 +81,10 @@ class Topics:
     """
 
     def __init__(self, recording: Recording, mapping: Mapping[str, Any] | None) -> None:
-        self._recording, self._mapping = recording, dict(mapping or {})
+        self._recording, self._mapping = recording, mapping if mapping is not None else {}
         for key in self._mapping:
             if key not in COLUMNS:
-                raise UnknownNameError("signal", key, COLUMNS, key="map")
+                raise UnknownNameError("signal", key, COLUMNS, source_of(self._mapping) or "map", key)
         self._kinds: dict[str, str] = {}
         self._times: dict[tuple[str, str], list[float]] = defaultdict(list)
         self._values: dict[tuple[str, str], list[Sequence[float]]] = defaultdict(list)
