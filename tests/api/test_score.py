@@ -36,7 +36,8 @@ def there(tmp_path, monkeypatch, flown):
     return tmp_path
 
 
-def test_a_score_says_what_the_world_has_said(there, flown):
+@pytest.mark.usefixtures("there")
+def test_a_score_says_what_the_world_has_said(flown):
     result = hotlap.score("flight.csv", race="circle-34", flights=5, parameters=np.array(TUNED))
     assert result.scores.complete[0]
     assert result.scores.lap_time[0] == pytest.approx(flown.lap_time[0], abs=1e-6)
@@ -50,14 +51,16 @@ def test_a_score_says_what_the_world_has_said(there, flown):
     assert result._repr_html_().startswith("<table>")
 
 
-def test_json_has_the_keys_that_are_documented(there, capsys):
+@pytest.mark.usefixtures("there")
+def test_json_has_the_keys_that_are_documented(capsys):
     assert main(["score", "flight.csv", "--race", "circle-34", "--flights", "2", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert documented()["score"] <= keys_of(document)
     assert document["completion"] == 1
 
 
-def test_text_shows_flown_beside_simulated(there, capsys):
+@pytest.mark.usefixtures("there")
+def test_text_shows_flown_beside_simulated(capsys):
     assert main(["score", "flight.csv", "--race", "circle-34", "--flights", "2"]) == 0
     out = capsys.readouterr().out
     assert re.search(r"^ +gates +5 of 5 +all in", out, re.MULTILINE)
@@ -89,6 +92,7 @@ def test_a_table_of_ones_own_needs_a_map(there, flown, capsys):
         score("mine.csv", race="circle-34", map="map.toml")
 
 
+@pytest.mark.usefixtures("there")
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -100,7 +104,7 @@ def test_a_table_of_ones_own_needs_a_map(there, flown, capsys):
         (["flight.csv", "--race", "circle-34", "--flights", "0"], "--flights: must be from 1 to"),
     ],
 )
-def test_a_mistake_is_one_line(there, capsys, words, said):
+def test_a_mistake_is_one_line(capsys, words, said):
     assert main(["score", *words]) == 2
     assert capsys.readouterr().err.splitlines()[-1].startswith(f"hotlap: {said}")
 

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
 from hotlap.core.records import Floats
@@ -160,7 +159,7 @@ def _lay_over(flown: Floats, planned: Floats) -> tuple[float, Floats, float, flo
 
     For too few points both are infinite.
     """
-    known: NDArray[np.bool_] = np.isfinite(flown).all(axis=1)
+    known = np.asarray(np.isfinite(flown).all(axis=1))
     if known.sum() < max(3, LEAST_SHARE * len(flown) - 1):
         return 0.0, np.zeros(3), math.inf, math.inf
     flown, planned = flown[known], planned[known]

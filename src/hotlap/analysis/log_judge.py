@@ -10,7 +10,6 @@ import numpy as np
 from hotlap.analysis.log_frame import LogFrame
 from hotlap.core.errors import InputError
 from hotlap.core.records import Cause, End, Flights, Floats, Log
-from hotlap.flight.one_flight import OneFlight, prepare_batch
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
 from hotlap.race.endings import in_words
@@ -35,9 +34,11 @@ def judge_log(log: FlightLog, scenario: Scenario, frame: LogFrame) -> Flights:
     Raises:
         InputError: it begins after the start of the race.
     """
+    from hotlap.flight.one_flight import OneFlight, prepare_batch  # noqa: PLC0415  the flight core loads a compiler
+
     period, position = scenario.race.controller.period, log.signals["position"]
     latest = scenario.reference.gate_times[-1] + scenario.race.judge.window[1] + 1.0
-    times = np.arange(int(latest / period) + 2) * period
+    times = np.arange(int(latest / period) + 2, dtype=np.float64) * period
     states = sample(log, frame, times)
     if not np.isfinite(states[0, :3]).all():
         late = position.times[0] - frame.start

@@ -96,8 +96,8 @@ class ScoredFlight(Outcome):
             ("mean error", f"{metres(float(mine.mean_error[0]))} m", f"{metres(float(np.nanmean(others.mean_error)))} m"),
             ("largest error", f"{metres(float(mine.max_error[0]))} m", f"{metres(float(np.nanmax(others.max_error)))} m"),
         ]
-        words = [_effort_words(effort) for effort in self.efforts]
-        return [*rows, ("command effort", *words)]
+        mine_told, others_told = map(_effort_words, self.efforts)
+        return [*rows, ("command effort", mine_told, others_told)]
 
     def facts(self) -> dict[str, str]:
         """Race and log, and what was measured, simulated in brackets."""
