@@ -11,7 +11,7 @@ from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from written import Flown
 
-from hotlap.logs.frames import rotate
+from hotlap.reference.attitude import rotate
 
 TARGET = "std_msgs/Header header\nuint8 type_mask\ngeometry_msgs/Quaternion orientation\ngeometry_msgs/Vector3 body_rate\nfloat32 thrust"
 EPOCH = 1_700_000_000

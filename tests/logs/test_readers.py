@@ -11,8 +11,9 @@ from written import make_flight, write_blackbox, write_csv, write_dataflash, wri
 
 from hotlap.core.errors import InputError
 from hotlap.logs.flight_log import COLUMNS
-from hotlap.logs.frames import from_angles, rotate
+from hotlap.logs.frames import from_angles
 from hotlap.logs.readers import need, read
+from hotlap.reference.attitude import rotate
 
 FLIGHT = make_flight()
 TRUTH = {"thrust_command": FLIGHT.thrust, "motor_command": FLIGHT.motors, "battery": FLIGHT.volts}

@@ -27,10 +27,3 @@ def from_angles(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> Floats:
     return np.stack(
         [cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy], axis=-1
     )
-
-
-def rotate(quaternions: Floats, vectors: Floats) -> Floats:
-    """Vectors of the body, shape (N, 3), in the world, by attitudes of shape (N, 4)."""
-    scalar, axis = quaternions[:, :1], quaternions[:, 1:]
-    across = np.cross(axis, vectors) * 2
-    return vectors + scalar * across + np.cross(axis, across)

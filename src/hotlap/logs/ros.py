@@ -10,9 +10,9 @@ import numpy as np
 
 from hotlap.core.errors import UnknownNameError
 from hotlap.logs.flight_log import COLUMNS
-from hotlap.logs.frames import rotate
 from hotlap.logs.key_map import source_of
 from hotlap.logs.recording import Recording
+from hotlap.reference.attitude import rotate
 
 Rows = Mapping[str, Sequence[float]]
 """Values of one message by signal."""
