@@ -113,7 +113,7 @@ def test_agilicious_gets_vehicle_and_reference(study, tmp_path):
     assert theirs.torque_ratio == mine.torque_ratio
     assert theirs.rotor_thrust == pytest.approx(mine.rotor_thrust)
     assert theirs.rate_limit == mine.rate_limit
-    assert sorted(theirs.rotor_positions.tolist()) == pytest.approx(sorted(mine.rotor_positions.tolist()))
+    np.testing.assert_allclose(sorted(theirs.rotor_positions.tolist()), sorted(mine.rotor_positions.tolist()), atol=1e-12)
     read_back = load_reference(csv, scenario.race)
     rows = slice(0, scenario.reference.planned_rows)
     np.testing.assert_allclose(read_back.position[rows], scenario.reference.position[rows], atol=1e-9)
