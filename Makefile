@@ -3,6 +3,7 @@
 #   make tune      tune circle-34 (RACE=flip-16 for another race, ARGS="--seed 1" for options)
 #   make test      run the tests
 #   make check     run the slower proofs: browser, documentation, films, firmware, JAX (needs chromium, node, npm and gcc)
+#   make fuzz      damage everything that is read, ten thousand times each (READERS="track race", ARGS="--inputs 1000")
 #   make lint      check style            make types     check types
 #   make docs      build the documentation: build/docs/index.html
 #   make bench     measure the flights    make studies   run the tests of minutes
@@ -28,9 +29,10 @@ FLIES_WITH := casadi llvmlite numba numpy pydantic rich
 RACE ?= circle-34
 PART ?= main
 ARGS ?=
+READERS ?=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: torture soak test-oldest supply tune test check lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
+.PHONY: torture soak fuzz test-oldest supply tune test check lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
@@ -41,6 +43,9 @@ test: $(VENV)/.test
 
 check: $(VENV)/.firmware $(VENV)/.worlds
 	$(BIN)/python -m pytest -m check -n auto --dist worksteal $(ARGS)
+
+fuzz: $(VENV)/.test
+	$(BIN)/python tests/fuzz/run.py $(ARGS) $(READERS)
 
 studies: $(VENV)/.test
 	$(BIN)/python -m pytest -m slow $(ARGS)

@@ -20,6 +20,7 @@ FORBIDDEN_CALLS = {
 }
 ALLOWED = {
     ("flight/kernel_cache.py", "pickle.loads"): "Numba's cache is pickle: sealed files in a folder of one's own",
+    ("system/cluster_worker.py", "pickle.loads"): "messages between the user and workers of the user's own cluster, which --cluster names",
     ("system/process_pool.py", "pickle.loads"): "what this process has just pickled itself",
 }
 IMPORTS_BY_NAME = {  # where a name that is computed is imported

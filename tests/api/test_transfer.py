@@ -221,7 +221,7 @@ def test_a_result_is_shown_in_notebooks(study):
 
 
 def test_the_command_prints_the_same(study, monkeypatch, capsys):
-    monkeypatch.setattr(worlds, "build", lambda name: Counted() if name == "plant" else worlds.BuiltIn())
+    monkeypatch.setattr(worlds, "build", lambda name, *_: Counted() if name == "plant" else worlds.BuiltIn())
     assert main(["transfer", str(study), "--to", "plant"]) == 0
     told = capsys.readouterr()
     assert re.search(r"plant +tuned +3 of 3 +0\.\d+ / 0\.\d+ / 0\.\d+ ", told.out)

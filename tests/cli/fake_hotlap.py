@@ -45,7 +45,7 @@ class Loud(FakeWorld):
         return replace(flights, logs={i: Log(steps, np.zeros((3, 13)), np.zeros((3, 4)), np.full((3, 4), np.nan)) for i in log})
 
 
-def build(name: str, _instances: int = 1) -> Loud:
+def build(name: str, _instances: int = 1, _engine: object = None) -> Loud:
     if name not in {"built-in", "fake"}:  # as a study knows it
         raise UnknownNameError("world", name, ["built-in"], key="on")
     pause = float(os.environ.get("FAKE_PAUSE", "0"))

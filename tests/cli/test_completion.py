@@ -30,6 +30,8 @@ LINES = {
     "hotlap tuners gate_gp:t": ({"gate_gp:tied"}, "gate_gp:whole"),
     "hotlap quadrotors x5": ({"x500"}, "three-inch"),
     "hotlap compare --races def": ({"default"}, "all"),
+    "hotlap compare circle-34 --clu": ({"--cluster"}, "--confirm"),
+    "hotlap learn circle-34 --cluster my-r": ({"my-race.toml"}, "circle-34"),
     "hotlap completion z": ({"zsh"}, "bash"),
 }
 ASK_BASH = "source ./script; COMP_LINE={line}; COMP_POINT=${{#COMP_LINE}}; _hotlap; printf '%s\\n' \"${{COMPREPLY[@]}}\""

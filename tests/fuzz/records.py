@@ -68,14 +68,14 @@ def damaged_bytes(random: Random, folder: Path) -> Read:
 
 
 def damaged_values(random: Random, folder: Path) -> Read:
-    """A study with odd values, whose checksums fit, as no accident leaves it: it is read, not continued."""
+    """A study with odd values, whose checksums fit, as no accident leaves it: it is read, neither shown nor continued."""
     (folder / FILE).write_bytes(sample_study())
     with closing(sqlite3.connect(folder / FILE)) as connection:
         for _ in range(random.choice((1, 1, 2))):
             _disturb_row(connection, random)
         seal(lambda statement, values=(): connection.execute(statement, values).fetchall())
         connection.commit()
-    return lambda: use(folder, _show, count_flights)
+    return lambda: use(folder, _read, count_flights)
 
 
 def _disturb_row(connection: sqlite3.Connection, random: Random) -> None:
@@ -89,7 +89,7 @@ def _disturb_row(connection: sqlite3.Connection, random: Random) -> None:
         connection.execute(f"DELETE FROM {table} WHERE {place} = ?", (row[0],))  # noqa: S608
         return
     value = row[1 + column]
-    if isinstance(value, str) and value[:1] in "[{" and random.random() < 0.8:
+    if _is_json(value) and random.random() < 0.8:
         value = json.dumps(disturb(json.loads(value), random), default=str)
     elif isinstance(value, str | bytes) and random.random() < 0.6:
         raw = damage(value if isinstance(value, bytes) else value.encode(), random)
@@ -97,6 +97,17 @@ def _disturb_row(connection: sqlite3.Connection, random: Random) -> None:
     else:
         value = random.choice([odd for odd in ODD_VALUES if isinstance(odd, float | str | bytes | type(None)) or odd == 0])
     connection.execute(f"UPDATE OR IGNORE {table} SET {names[column]} = ? WHERE {place} = ?", (value, row[0]))  # noqa: S608
+
+
+def _is_json(value: Any) -> bool:
+    """Whether a value is the text of a list or a table, which the disturbance before may have changed."""
+    if not isinstance(value, str) or value[:1] not in "[{":
+        return False
+    try:
+        json.loads(value)
+    except ValueError:
+        return False
+    return True
 
 
 def use(folder: Path, *steps: Callable[[Path], Any]) -> None:
@@ -113,12 +124,14 @@ def use(folder: Path, *steps: Callable[[Path], Any]) -> None:
         raise refusals[0]
 
 
-def _show(folder: Path) -> None:
+def _read(folder: Path) -> Any:
     with Study(folder) as study:
-        repr(study)
-        snapshot = read_snapshot(study)
         study.records()
-        dump_study(snapshot, None)
+        return read_snapshot(study)
+
+
+def _show(folder: Path) -> None:
+    dump_study(_read(folder), None)
 
 
 def _continue(folder: Path) -> None:

@@ -6,7 +6,6 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule
 from hotlap.study.configuration import Configuration
+from hotlap.system.engine import is_one_of_many
 from hotlap.system.journal import Journal
 from hotlap.tuners.tuner import Tuner
 from hotlap.tuning.loop import Batch, Tuning, TuningSettings, scenario_for, tune_together
@@ -202,7 +202,7 @@ def fly_cells(cells: Group) -> Iterator[tuple[Cell, Run]]:
     first = cells[0]
     scenario = scenario_for(prepare(first.race, first.reference, segments=first.segments), tuners.build(first.tuner))
     world = worlds.build(first.world, first.instances)
-    if isinstance(world, BuiltIn) and parent_process() is not None:
+    if isinstance(world, BuiltIn) and is_one_of_many():
         world.threads = 1  # there is a worker for each processor
     objective = Objective(scenario, world, first.settings.goal.metric, first.settings.randomise)
     guesses = {name: first_guess(scenario, name) for name in {cell.first_guess for cell in cells}}

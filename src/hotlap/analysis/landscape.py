@@ -13,6 +13,7 @@ from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
+from hotlap.system.engine import Engine
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.world import World
 
@@ -49,30 +50,63 @@ def axes(scenario: Scenario, wanted: Landscape) -> tuple[Floats, Floats]:
     return np.geomspace(*ends[0], wanted.points), np.geomspace(*ends[1], wanted.points)
 
 
-def survey(scenario: Scenario, world: World, wanted: Landscape, watch: Callable[[str], None] = lambda _: None) -> Floats:
+@dataclass(frozen=True)
+class Rows:
+    """Some rows of a map.
+
+    Attributes:
+        scenario: what is flown.
+        wanted: which map.
+        first, last: of the rows; the last is not among them.
+    """
+
+    scenario: Scenario
+    wanted: Landscape
+    first: int
+    last: int
+
+
+def survey(
+    scenario: Scenario, world: World, wanted: Landscape, watch: Callable[[str], None] = lambda _: None, engine: Engine | None = None
+) -> Floats:
     """Mean completion, 0 to 1, shape (points, points): a row for each y, a column for each x.
 
     Args:
         scenario: what is flown.
-        world: where.
+        world: where, without an engine.
         wanted: which map.
         watch: called with a few words after each row.
+        engine: whose workers fly the rows in the built-in world; None: this process does.
     """
+    together = 1 if engine is not None else max(1, TOGETHER // (wanted.points * wanted.flights))
+    pieces = [Rows(scenario, wanted, first, min(first + together, wanted.points)) for first in range(0, wanted.points, together)]
+    flown = ((rows, _fly(rows, world)) for rows in pieces) if engine is None else engine.spread(fly_rows, pieces)
+    found, y = np.empty((wanted.points, wanted.points)), axes(scenario, wanted)[1]
+    for rows, completion in flown:
+        found[rows.first : rows.last] = completion
+        for value in y[rows.first : rows.last].tolist():
+            watch(f"{wanted.y} {value:.3g}")
+    return found
+
+
+def fly_rows(rows: Rows) -> Iterator[Floats]:
+    """Some rows, on a worker."""
+    yield _fly(rows, built_in_world())
+
+
+def _fly(rows: Rows, world: World) -> Floats:
+    """Mean completion of some rows, shape (rows, points)."""
+    scenario, wanted = rows.scenario, rows.wanted
     space = scenario.space
     x, y = axes(scenario, wanted)
-    grid = np.tile(np.array(wanted.fixed) if wanted.fixed else space.default, (wanted.points, wanted.points, 1))
+    y = y[rows.first : rows.last]
+    grid = np.tile(np.array(wanted.fixed) if wanted.fixed else space.default, (len(y), wanted.points, 1))
     grid[:, :, space.names.index(wanted.x)] = x
     grid[:, :, space.names.index(wanted.y)] = y[:, None]
-    objective, parts = Objective(scenario, world), []
-    together = max(1, TOGETHER // (wanted.points * wanted.flights))
-    for first in range(0, wanted.points, together):
-        flat = np.repeat(grid[first : first + together].reshape(-1, 1, space.size), len(scenario.segments), axis=1)
-        seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, wanted.flights), len(flat))
-        completion = objective.fly(np.repeat(flat, wanted.flights, axis=0), seeds).completion
-        parts.append(completion.reshape(-1, wanted.points, wanted.flights).mean(axis=2))
-        for value in y[first : first + together].tolist():
-            watch(f"{wanted.y} {value:.3g}")
-    return np.concatenate(parts)
+    flat = np.repeat(grid.reshape(-1, 1, space.size), len(scenario.segments), axis=1)
+    seeds = np.tile(flight_seeds(0, Stream.DEMONSTRATION, 0, wanted.flights), len(flat))
+    completion = Objective(scenario, world).fly(np.repeat(flat, wanted.flights, axis=0), seeds).completion
+    return completion.reshape(-1, wanted.points, wanted.flights).mean(axis=2)
 
 
 def draw_survey(wanted: Landscape) -> Iterator[list[list[float]]]:

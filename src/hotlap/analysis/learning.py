@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from multiprocessing import parent_process
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ from hotlap.race.race import Race
 from hotlap.race.random_tracks import TrackStyle, random_track
 from hotlap.race.schema import Described
 from hotlap.race.track import Track
+from hotlap.system.engine import is_one_of_many
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune_together
 from hotlap.tuning.objective import Objective
 from hotlap.worlds.built_in import BuiltIn
@@ -217,9 +217,9 @@ def _completions(objective: Objective, candidates: Sequence[Sequence[float]], fl
 
 
 def built_in_world() -> World:
-    """The built-in world; with one thread where there is a worker process for each processor."""
+    """The built-in world; with one thread where there is a worker for each processor."""
     world = BuiltIn()
-    if parent_process() is not None:
+    if is_one_of_many():
         world.threads = 1
     return world
 

@@ -1,4 +1,4 @@
-"""Resumable jobs: pieces of work spread over the cores, whose results are kept in a folder as soon as each is there.
+"""Resumable jobs: pieces of work spread over processes or a cluster, whose results are kept in a folder as soon as each is there.
 
 What is kept is not computed again, unless the source code that decides about it has changed since.
 """
@@ -15,9 +15,9 @@ from typing import Any
 from hotlap.analysis.comparison import Cell, Run, RunJournal, fly_cells, missing
 from hotlap.core.shown import in_full
 from hotlap.system.disk_cache import digest_sources
+from hotlap.system.engine import Engine
 from hotlap.system.journal import Journal
-from hotlap.system.process_pool import spread
-from hotlap.system.processors import available
+from hotlap.system.process_pool import Processes
 
 DECIDING = ("core", "dynamics", "race", "reference", "reference_files", "flight", "planning", "worlds", "tuners", "tuning", "first_guess")
 SOURCES = tuple(f"hotlap.{name}" for name in DECIDING)
@@ -56,13 +56,23 @@ class ResumableJobs:
         processes: how many work at once; 0 for one a processor.
         progress: shows how far it is.
         note: called with a line that a person should know of.
+        engine: where the work is done; None: so many processes of this machine.
     """
 
     folder: Path
     processes: int = 0
     progress: Progress = no_progress
     note: Callable[[str], None] = lambda _line: None
+    engine: Engine | None = None
     _warned: bool = field(default=False, init=False)
+
+    def __post_init__(self) -> None:
+        self._engine = self.engine or Processes(self.processes, self.note)
+
+    @property
+    def cluster(self) -> Engine | None:
+        """The engine, where its workers are no processes of this machine."""
+        return None if isinstance(self._engine, Processes) else self._engine
 
     def each(self, unit: str, pieces: Mapping[str, Any], work: Callable[[Any], Iterable[Any]]) -> dict[str, Any]:
         """Results of pieces of work by name; those that are kept are not computed again.
@@ -94,7 +104,7 @@ class ResumableJobs:
         keys = {_combination(cell): cell.key for cell in cells}
         wanted = [(keys[_combination(cell)], seed) for cell in cells for seed in cell.seeds]
         with RunJournal.opened(self.folder, digest_code(fly_cells.__module__)) as kept:
-            groups = missing(cells, kept.done, self.processes or available())
+            groups = missing(cells, kept.done, self._engine.workers)
             if before := sum(key in kept.done for key in wanted):
                 self.note(f"{kept.path}: {before} of {len(wanted)} runs are there already")
 
@@ -129,7 +139,7 @@ class ResumableJobs:
             self._warned = True
             self.note(f"{kept.path}: results of other source code than this are not used; they are computed again")
         with self.progress(unit, len(wanted), sum(key in kept.done for key in wanted)) as say:
-            for piece, result in spread(work, pieces, self.processes):
+            for piece, result in self._engine.spread(work, pieces):
                 say(keep(piece, result))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,8 +23,10 @@ from hotlap.core.shown import Shown, in_full
 from hotlap.core.success_rate import Validation
 from hotlap.race.endings import in_words
 from hotlap.reference.scenario import Scenario
+from hotlap.system.engine import Engine
 from hotlap.system.journal import Journal
 from hotlap.tuning.objective import Objective
+from hotlap.worlds.on_workers import OnWorkers, simulators_here
 from hotlap.worlds.world import World
 
 Floats = NDArray[np.float64]
@@ -32,6 +34,8 @@ Floats = NDArray[np.float64]
 TUNED, DEFAULT = "tuned", "default"
 DIGITS = 4  # of metres, in what is kept
 FINE = 0.095  # m, below which three digits are shown
+Trip = tuple[str, str, int]
+"""World, set of parameters and seed of a flight."""
 ATTEMPTS = 3  # at a flight that is lost
 
 
@@ -226,13 +230,26 @@ class Journey:
             note(f"{kept.path}: flights by other source code than this are not used; they are flown again")
         left = TimeLeft(name for name, _, _ in missing)
         with progress("flights", len(keys), len(keys) - len(missing)) as say:
-            for trip in missing:
-                name, label, seed = trip
-                flight = self._fly_one(worlds[name], label, seed)
+            for trip, flight in self._fly_trips(missing, worlds):
                 kept.add(keys[trip], flight.dump())
-                say(_describe(flight, left.after(name)))
+                say(_describe(flight, left.after(trip[0])))
 
-    def _missing(self, kept: Journal) -> list[tuple[str, str, int]]:
+    def _fly_trips(self, trips: Sequence[Trip], worlds: Mapping[str, World]) -> Iterator[tuple[Trip, TransferFlight]]:
+        """Fly here, one after the other, what is not flown on workers, and then what is."""
+        abroad: dict[int, tuple[Engine, list[tuple[Journey, Trip]]]] = {}
+        for trip in trips:
+            name, label, seed = trip
+            world = worlds[name]
+            if isinstance(world, OnWorkers):
+                alone = replace(self, sets={label: self.sets[label]}, worlds=(), seeds=np.array([seed], dtype=np.int64))
+                abroad.setdefault(id(world.engine), (world.engine, []))[1].append((alone, trip))
+            else:
+                yield trip, self.fly_one(world, label, seed)
+        for engine, pieces in abroad.values():
+            for (_, trip), flight in engine.spread(fly_trip, pieces):
+                yield trip, flight
+
+    def _missing(self, kept: Journal) -> list[Trip]:
         """World, set and seed of the flights that are not kept: the first of each world and set before the second of any.
 
         So the time that is left is known early.
@@ -241,7 +258,7 @@ class Journey:
         in_turn = [(world.name, label, seed) for seed in self.seeds.tolist() for world in self.worlds for label in self.sets]
         return [trip for trip in in_turn if keys[trip] not in kept.done]
 
-    def _keys(self) -> dict[tuple[str, str, int], str]:
+    def _keys(self) -> dict[Trip, str]:
         """Names by which flights are kept, by world, set and seed; they change with everything that decides about a flight."""
         reference, segments = self.scenario.reference, self.scenario.segments
         arrays = [values.tobytes() for values in (reference.table, reference.gate_times, segments.starts)]
@@ -254,7 +271,7 @@ class Journey:
             for seed in self.seeds.tolist()
         }
 
-    def _fly_one(self, world: World, label: str, seed: int) -> TransferFlight:
+    def fly_one(self, world: World, label: str, seed: int) -> TransferFlight:
         """One flight; one that was lost, whose end nobody knows, is flown again.
 
         Raises:
@@ -286,6 +303,12 @@ class Journey:
             times=times,
             errors=np.linalg.norm(places - self.scenario.reference.position_at(times), axis=1),
         )
+
+
+def fly_trip(piece: tuple[Journey, Trip]) -> Iterator[TransferFlight]:
+    """One flight, on a worker."""
+    journey, (name, label, seed) = piece
+    yield journey.fly_one(simulators_here(name), label, seed)
 
 
 def metres(error: float) -> str:

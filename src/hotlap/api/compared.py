@@ -29,6 +29,7 @@ from hotlap.first_guess.names import NAMES
 from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
 from hotlap.reference.segmentation_rule import SegmentationRule
+from hotlap.system.engine import check_jobs, opened
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
@@ -120,14 +121,18 @@ def _held(run: Run) -> dict[str, float]:
 
 def carry_out(asked: Asked) -> ComparisonResult:
     """Fly what is missing, and write tables, pictures and page."""
-    cells, folder = _cells(asked), Path(asked.out)
-    if folder.exists() and not folder.is_dir():
-        raise StudyError(str(folder), "", "is a file, not the folder of a comparison")
-    with asked.remarked("go on"):
-        jobs = ResumableJobs(folder, _processes(asked), asked.progress.pieces, asked.progress.note)
-        runs = tuple(jobs.compare(cells, Flown()))
-        pictures = _write(folder, runs, asked)
-        page = _write_page(folder, runs, asked)
+    check_jobs(asked.jobs, asked.cluster)
+    folder = Path(asked.out)
+    with opened(asked.cluster, _processes(asked), asked.progress.note) as engine:
+        cells = _cells(asked)
+        if folder.exists() and not folder.is_dir():
+            raise StudyError(str(folder), "", "is a file, not the folder of a comparison")
+        with asked.remarked("go on"):
+            engine.require(*_needed(asked))
+            jobs = ResumableJobs(folder, progress=asked.progress.pieces, note=asked.progress.note, engine=engine)
+            runs = tuple(jobs.compare(cells, Flown()))
+            pictures = _write(folder, runs, asked)
+            page = _write_page(folder, runs, asked)
     return ComparisonResult(
         races=tuple(dict.fromkeys(cell.race.name for cell in cells)),
         tuners=tuple(dict.fromkeys(cell.tuner for cell in cells)),
@@ -146,16 +151,26 @@ def _processes(asked: Asked) -> int:
     return asked.jobs if asked.on == worlds.DEFAULT else 1
 
 
+def _needed(asked: Asked) -> list[str | Path]:
+    """Files and modules of the user's own, which must be the same where runs are done."""
+    own = (name.partition(":")[0].rpartition(".")[0] for name in _listed(asked))
+    return [*own, *worlds.needed(asked.on), *([] if asked.reference is None else [asked.reference])]
+
+
+def _listed(asked: Asked) -> Sequence[str]:
+    """The tuners that were asked for."""
+    return asked.tuners.split(",") if isinstance(asked.tuners, str) else asked.tuners
+
+
 def _cells(asked: Asked) -> list[Cell]:
     """Every tuner on every race; checks all that was asked for, and plans."""
-    listed = asked.tuners.split(",") if isinstance(asked.tuners, str) else asked.tuners
-    names = [tuners.build(name).name for name in listed]
+    names = [tuners.build(name).name for name in _listed(asked)]
     budgets = _budgets(str(asked.budget))
     if not 1 <= asked.seeds <= MOST_SEEDS:
         raise InputError("", "seeds", f"must be from 1 to {MOST_SEEDS}, not {asked.seeds}")
-    if asked.jobs < 0:
-        raise InputError("", "jobs", f"must not be negative, not {asked.jobs}")
     world = worlds.build(asked.on, asked.instances)
+    if asked.cluster is not None:
+        worlds.check_spread(asked.on)
     if asked.randomise and not world.takes_vehicle_parameters:
         raise InputError("", "randomise", f"{world.name} flies the vehicle that it has")
     if asked.first_guess not in NAMES:
@@ -226,7 +241,7 @@ def _write_page(folder: Path, runs: Sequence[Run], asked: Asked) -> Path | None:
     from hotlap.report.comparison_article import compose_article  # noqa: PLC0415  only where there is something to show
 
     try:
-        replace(folder / PAGE, compose_article(runs, RunJournal.file, asked.command()).html)
+        replace(folder / PAGE, compose_article(runs, RunJournal.file, asked.command(cluster=None)).html)
     except (HotlapError, OSError) as error:
         asked.progress.note(f"note: no page: {error}")
         return None

@@ -36,6 +36,7 @@ def compare(
     on: str = "built-in",
     instances: int = 1,
     hold: str | Sequence[str] | Mapping[str, str] = "",
+    cluster: str | None = None,
     progress: Progress | bool | None = None,
 ) -> ComparisonResult:
     """Run tuners on races with the same first guess, budget, seeds and noise: all that `hotlap compare` does.
@@ -62,6 +63,7 @@ def compare(
         on: where to fly.
         instances: simulators that fly side by side, where that is a simulator.
         hold: conditions to fly each result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
+        cluster: address of a dask scheduler, or the file it wrote, whose workers do the runs; None: this machine.
         progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:

@@ -30,6 +30,7 @@ from hotlap.planning.preparation import prepare
 from hotlap.race.race import Race
 from hotlap.study.database import is_begun
 from hotlap.study.study import new_folder
+from hotlap.system.engine import opened
 from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
@@ -134,12 +135,13 @@ def carry_out(asked: Asked, call: Callable[..., Any]) -> FastestResult | FrontRe
         raise StudyError(str(folder), "", "holds another study; give another folder for this one")
     world = worlds.build(asked.on)
     conditions = read_hold(asked.hold, race, world)
-    with asked.remarked("go on", out=folder):
+    with asked.remarked("go on", out=folder), opened(asked.cluster, note=asked.progress.note) as engine:
+        engine.require(asked.tuner.partition(":")[0].rpartition(".")[0])
         make_kind_ready(world, race.controller.kind, asked.progress)
         if conditions:
-            return find_front(asked, race, folder, (tuner, settings), conditions)
+            return find_front(asked, race, folder, (tuner, settings), conditions, engine)
         with asked.progress.rounds(PLANS, 0) as progress:
-            each = partial(ResumableJobs(folder, progress=progress, note=asked.progress.note).each, PLANS)
+            each = partial(ResumableJobs(folder, progress=progress, note=asked.progress.note, engine=engine).each, PLANS)
             best = fastest(race, tuner, settings, partial(each, work=try_plan), partial(each, work=judge_plan), ROUNDS)
     before = _lap_before(race)
     if best is None:

@@ -20,6 +20,7 @@ from hotlap.api.inputs import as_path, check_range, check_source, check_target
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import check_guess, fitting, load, make_ready, make_scenario, planned_as, read_guess, read_parameters
 from hotlap.api.slow_flights import flying
+from hotlap.api.spreading import simulators_on
 from hotlap.api.wording import percent, share
 from hotlap.core.counts import count
 from hotlap.core.parameters import Parameters
@@ -29,6 +30,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.files.descriptions import load_parameters
 from hotlap.race.endings import in_words
 from hotlap.reference.scenario import Scenario
+from hotlap.system.engine import Engine
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal import Goal
 from hotlap.tuning.objective import Objective
@@ -156,12 +158,18 @@ class FlightsResult(Outcome):
 
 def carry_out(asked: Asked) -> FlightsResult:
     """Check what was asked for, the quick things first; plan, and fly."""
+    with simulators_on(asked) as engine:
+        return _carry_out(asked, engine)
+
+
+def _carry_out(asked: Asked, engine: Engine | None) -> FlightsResult:
+    """The same, with simulators on the workers of an engine; None: here."""
     check_range("flights", asked.flights, 1, MOST_FLIGHTS)
     check_range("seed", asked.seed, 0, LARGEST_RUN_SEED)
     log = as_path(asked.log)
     check_source(as_path(asked.reference))
     check_target(log)
-    world, race = worlds.build(asked.on, asked.instances), load(asked.race, asked.controller)
+    world, race = worlds.build(asked.on, asked.instances, engine), load(asked.race, asked.controller)
     if isinstance(asked.parameters, str | Path) and Path(asked.parameters).is_file():
         load_parameters(asked.parameters)
     check_guess(str(asked.first_guess))

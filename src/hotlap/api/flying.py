@@ -31,6 +31,7 @@ def fly(
     instances: int = 1,
     log: str | Path | None = None,
     hold: str | Sequence[str] | Mapping[str, str] = "",
+    cluster: str | None = None,
     progress: Progress | bool | None = None,
 ) -> FlightsResult:
     """Fly parameters many times, each time with fresh noise: all that `hotlap fly` does.
@@ -48,6 +49,7 @@ def fly(
         instances: simulators that fly side by side, where that is a simulator.
         log: write the first flight as CSV, step by step.
         hold: further conditions to fly them under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
+        cluster: address of a dask scheduler, or the file it wrote, whose workers fly in simulators; None: this machine.
         progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:

@@ -23,6 +23,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.files.descriptions import PARAMETERS_FILE
 from hotlap.race.conditions import Condition
 from hotlap.race.race import Race
+from hotlap.system.engine import Engine
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
@@ -159,7 +160,7 @@ class FrontResult(Outcome):
 
 
 def find_front(
-    asked: Asked, race: Race, folder: Path, tuning: tuple[str, TuningSettings], conditions: tuple[Condition, ...]
+    asked: Asked, race: Race, folder: Path, tuning: tuple[str, TuningSettings], conditions: tuple[Condition, ...], engine: Engine
 ) -> FrontResult:
     """Search plans, and write the front and the fastest that holds.
 
@@ -169,9 +170,10 @@ def find_front(
         folder: of everything that is written.
         tuning: tuner and settings.
         conditions: what the plan is to hold under.
+        engine: where plans are tried.
     """
     with asked.progress.rounds(PLANS, most_plans(race)) as progress:
-        each = partial(ResumableJobs(folder, progress=progress, note=asked.progress.note).each, PLANS)
+        each = partial(ResumableJobs(folder, progress=progress, note=asked.progress.note, engine=engine).each, PLANS)
         points = search(race, *tuning, conditions, partial(each, work=try_under_conditions))
         best, points = winner(race, *tuning, conditions, points, partial(each, work=judge_under_conditions))
     _remove_former(folder)

@@ -15,6 +15,7 @@ from hotlap.api.asked import Asked
 from hotlap.api.inputs import check_range
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import make_ready
+from hotlap.api.spreading import simulators_on
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
 from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
@@ -24,6 +25,7 @@ from hotlap.reference.scenario import Scenario
 from hotlap.study.snapshot import ELSEWHERE, Snapshot, read_snapshot
 from hotlap.study.study import Study
 from hotlap.study.versions import describe_changes
+from hotlap.system.engine import Engine
 from hotlap.system.text_files import replace
 from hotlap.worlds.world import World
 
@@ -98,11 +100,17 @@ def _in_short(row: TransferRow) -> str:
 
 def carry_out(asked: Asked) -> TransferResult:
     """Fly what is missing, and write about it."""
+    with simulators_on(asked) as engine:
+        return _carry_out(asked, engine)
+
+
+def _carry_out(asked: Asked, engine: Engine | None) -> TransferResult:
+    """The same, with simulators on the workers of an engine; None: here."""
     check_range("flights", asked.flights, FEWEST, MOST)
     check_range("seed", asked.seed, 0, LARGEST_RUN_SEED)
     snapshot = _read(Path(asked.folder))
     configuration, folder = snapshot.configuration, snapshot.folder / ELSEWHERE.parent
-    scenario, everywhere = configuration.scenario, _worlds(asked.to, configuration.world)
+    scenario, everywhere = configuration.scenario, _worlds(asked.to, configuration.world, engine)
     sets = {DEFAULT: first_guess(scenario, DEFAULT), TUNED: snapshot.best}
     journey = Journey(scenario, sets, everywhere, flight_seeds(asked.seed, Stream.DEMONSTRATION, 0, asked.flights))
     if folder.exists() and not folder.is_dir():
@@ -129,12 +137,13 @@ def _read(folder: Path) -> Snapshot:
     return snapshot
 
 
-def _worlds(to: str | World | Sequence[str | World], home: str) -> list[World]:
+def _worlds(to: str | World | Sequence[str | World], home: str, engine: Engine | None) -> list[World]:
     """All worlds, that of the study first; each once."""
     given = to.split(",") if isinstance(to, str) else to if isinstance(to, Sequence) else [to]
     listed = [one.strip() if isinstance(one, str) else one for one in given]
     with _about_to():
-        found = [worlds.build(home), *(worlds.build(one) if isinstance(one, str) else one for one in listed if one != home)]
+        others = [worlds.build(one, 1, engine) if isinstance(one, str) else one for one in listed if one != home]
+        found = [worlds.build(home, 1, engine), *others]
     distinct = {world.name: world for world in reversed(found)}
     if len(distinct) < 2:
         raise InputError("", "to", f"must name another world than {home}, where the study was tuned")
@@ -161,7 +170,7 @@ def _write(folder: Path, race: str, rows: Sequence[TransferRow], asked: Asked) -
     pictures: tuple[Path, ...] = ()
     try:
         pictures = draw_transfer(folder, race, rows)
-        article = compose_article(race, rows, pictures, asked.command())
+        article = compose_article(race, rows, pictures, asked.command(cluster=None))
         replace(folder / PAGE, article.markdown)
         replace(folder / ELSEWHERE.name, article.html)
     except (HotlapError, OSError) as error:

@@ -20,6 +20,7 @@ def transfer(
     to: str | World | Sequence[str | World],
     flights: int = 3,
     seed: int = 0,
+    cluster: str | None = None,
     progress: Progress | bool | None = None,
 ) -> TransferResult:
     """Fly a study's parameters, and the default ones, in other worlds with the same noise: all that `hotlap transfer` does.
@@ -29,6 +30,7 @@ def transfer(
         to: names of other worlds; in Python also worlds themselves.
         flights: of each set of parameters in each world, 3 or more.
         seed: of the noise.
+        cluster: address of a dask scheduler, or the file it wrote, whose workers fly in simulators; None: this machine.
         progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:

@@ -24,6 +24,7 @@ from hotlap.api.inputs import as_path, check_source
 from hotlap.api.outcome import Outcome
 from hotlap.api.scenarios import check_guess, load, make_ready, make_scenario, planned_as
 from hotlap.api.slow_flights import followed
+from hotlap.api.spreading import simulators_on
 from hotlap.api.tuning import tune
 from hotlap.api.wording import percent, seconds, share
 from hotlap.core.counts import count
@@ -47,6 +48,7 @@ from hotlap.study.result import Result
 from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study, new_folder
 from hotlap.study.tried_plan import TriedPlan, describe_choice
+from hotlap.system.engine import Engine
 from hotlap.system.journal import Journal
 from hotlap.tuners import Tuner
 from hotlap.tuning.goal import Quantity, parse_goal
@@ -207,8 +209,14 @@ def carry_out(asked: Asked, *, at_home: bool = False) -> TuningResult:
         asked: the arguments.
         at_home: in the built-in world, for another tuning to begin at: no page, and no advice.
     """
+    with simulators_on(asked) as engine:
+        return _carry_out(asked, engine, at_home=at_home)
+
+
+def _carry_out(asked: Asked, engine: Engine | None, *, at_home: bool) -> TuningResult:
+    """The same, with simulators on the workers of an engine; None: here."""
     begun = time.perf_counter()
-    job = _check(asked)
+    job = _check(asked, engine)
     folder, plans, chosen = as_path(asked.out), (), False
     if isinstance(job.world, Stepped) and asked.first_guess is None:
         folder = folder or new_folder(job.race.name)
@@ -228,7 +236,7 @@ def carry_out(asked: Asked, *, at_home: bool = False) -> TuningResult:
         asked.remarked("go on", out=folder),
         Study.open(folder, configuration, hold=asked.hold) as study,
     ):
-        study.keep_command(asked.command(out=None, hold=study.hold))
+        study.keep_command(asked.command(out=None, hold=study.hold, cluster=None))
         before = 0.0 if chosen else study.wall_time
         result = _tune(study, job.world, asked, begun=chosen)
         file = folder / PARAMETERS_FILE
@@ -335,9 +343,9 @@ class _Job:
         return Configuration(*told, first_guess_name=name, rival=rival)
 
 
-def _check(asked: Asked) -> _Job:
+def _check(asked: Asked, engine: Engine | None) -> _Job:
     """Check everything that was asked for, the quick things first."""
-    tuner, world = tuners.build(asked.tuner), worlds.build(asked.on, asked.instances)
+    tuner, world = tuners.build(asked.tuner), worlds.build(asked.on, asked.instances, engine)
     settings = _settings(asked, world)
     if asked.randomise and not world.takes_vehicle_parameters:
         raise InputError("", "randomise", f"{world.name} flies the vehicle that it has")

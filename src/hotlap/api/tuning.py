@@ -33,6 +33,7 @@ def tune(  # pyright: ignore[reportOverlappingOverload]  the narrower one goes f
     validation: int = 200,
     batch: int = 8,
     hold: str | Sequence[str] | Mapping[str, str] = "",
+    cluster: str | None = None,
     progress: Progress | bool | None = None,
 ) -> FastestResult | FrontResult: ...
 
@@ -61,6 +62,7 @@ def tune(
     selection: int = 2000,
     minutes: float = 0.0,
     hold: str | Sequence[str] | Mapping[str, str] = "",
+    cluster: str | None = None,
     progress: Progress | bool | None = None,
 ) -> TuningResult: ...
 
@@ -88,6 +90,7 @@ def tune(
     selection: int = 2000,
     minutes: float = 0.0,
     hold: str | Sequence[str] | Mapping[str, str] = "",
+    cluster: str | None = None,
     progress: Progress | bool | None = None,
 ) -> TuningResult | FastestResult | FrontResult:
     """Plan a race, tune its controller, confirm and validate the result, and write a page about it: all that `hotlap tune` does.
@@ -117,6 +120,8 @@ def tune(
             it is another number than 2000.
         minutes: of wall time for search, choice and validation, in which populations are flown; 0: flights are counted, not time.
         hold: further conditions to fly the result under, such as mass=+-10%, thrust=-20%, delay=+20ms, wind=3; '': none.
+        cluster: address of a dask scheduler, or the file it wrote, whose workers try plans (goal lap_time)
+            or fly in simulators; None: this machine.
         progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.
 
     Returns:

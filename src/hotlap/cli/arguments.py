@@ -82,6 +82,11 @@ def _jobs(parser: Parser) -> None:
     parser.add_argument("--jobs", type=whole, default=0, metavar="N", automatic="one a processor", help="processes")
 
 
+def _cluster(parser: Parser, does: str) -> None:
+    told = f"address of a dask scheduler, or the file it wrote, whose workers {does}"
+    parser.add_argument("--cluster", metavar="ADDRESS", automatic="this machine", help=told)
+
+
 def _listed(*suites: str) -> Callable[[Parser], None]:
     """The argument of a list: what to leave of it."""
 
@@ -162,6 +167,7 @@ def _landscape(parser: Parser) -> None:
     add("--reference", type=path, metavar="FILE", help="read this CSV instead of planning")
     _controller(parser)
     add("--out", type=path, metavar="FILE", help="draw it: .png, .svg or .pdf")
+    _cluster(parser, "fly the rows")
 
 
 def _learn(parser: Parser) -> None:
@@ -170,6 +176,7 @@ def _learn(parser: Parser) -> None:
     add("races", nargs="*", metavar="RACE", automatic=shipped, help="races to learn from, of one controller")
     add("--out", type=path, required=True, metavar="DIR", help="folder of what is learnt, begun or gone on with")
     _jobs(parser)
+    _cluster(parser, "tune and fly the races")
 
 
 def _reproduce(parser: Parser) -> None:
@@ -179,6 +186,7 @@ def _reproduce(parser: Parser) -> None:
     add("--quick", action="store_true", help="the short form, under a minute each: other races, fewer seeds")
     add("--out", type=path, default=REPRODUCED, metavar="DIR", help="folder of the pages, begun or gone on with")
     _jobs(parser)
+    _cluster(parser, "do the runs and flights")
 
 
 def _export(parser: Parser) -> None:
@@ -265,6 +273,7 @@ COMMANDS: Mapping[str, Command] = {
             "hotlap compare 'circle-*' --out runs/circles",
             "hotlap compare --races airsim --seeds 3 --out runs/airsim",
             "hotlap compare my-race.toml --tuners gate_gp,cma_es:tied --seeds 20 --out runs/mine",
+            "hotlap compare --races all --out runs/all --cluster tcp://head:8786",
         ),
     ),
     "fly": Command(

@@ -21,6 +21,7 @@ from hotlap.planning.preparation import prepare
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation import SegmentationRule
 from hotlap.report.formats import SUFFIXES
+from hotlap.system.engine import Engine, opened
 from hotlap.worlds.built_in import BuiltIn
 
 Floats = NDArray[np.float64]
@@ -35,6 +36,14 @@ def run(options: Namespace) -> int:
     check_target(options.out, SUFFIXES)
     check_source(options.reference)
     check_guess(options.first_guess)
+    if options.cluster is None:
+        return _run(options, None)
+    with opened(options.cluster, note=note) as engine:
+        return _run(options, engine)
+
+
+def _run(options: Namespace, engine: Engine | None) -> int:
+    """The same, with workers of an engine; None: in this process."""
     race, world = load(options), BuiltIn()
     with working(f"planning {race.name}" if options.reference is None else f"reading {options.reference}"):
         scenario = prepare(race, options.reference, segments=SegmentationRule.NONE)
@@ -48,7 +57,7 @@ def run(options: Namespace) -> int:
     wanted = Landscape(race, options.x, options.y, options.points, options.flights, held)
     make_ready(world, scenario)
     with follow_pieces(f"rows of {count(options.points * options.flights, 'flight')}", options.points, 0) as say:
-        grid = survey(scenario, world, wanted, say)
+        grid = survey(scenario, world, wanted, say, engine)
     middle = dict(zip(names, held, strict=True))
     if options.out is not None:
         from hotlap.report.reproduction import draw_maps  # noqa: PLC0415  matplotlib takes half a second to load

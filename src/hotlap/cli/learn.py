@@ -19,6 +19,7 @@ from hotlap.files.descriptions import load_race
 from hotlap.files.error_messages import check
 from hotlap.first_guess.training_set import TrainingSet, write_training_set
 from hotlap.race.controllers import TUNABLE, ControllerKind
+from hotlap.system.engine import check_jobs, opened
 from hotlap.system.journal import Journal
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
@@ -29,14 +30,14 @@ FILE = "first_guess.json"
 def run(options: Namespace) -> int:
     """Tune what is not tuned yet, fly what is not flown yet, and write what is known."""
     folder: Path = options.out
-    if options.jobs < 0:
-        raise InputError("--jobs", "", f"must not be negative, not {options.jobs}")
+    check_jobs(options.jobs, options.cluster)
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not the folder of what is learnt")
     asked = _lessons(options.races) if options.races else lessons()
-    with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'learn', *options.arguments])}"):
+    again = f"nothing is lost; go on with: {shlex.join(['hotlap', 'learn', *options.arguments])}"
+    with opened(options.cluster, options.jobs, note) as engine, remark(again):
         make_kind_ready(BuiltIn(), asked[0].race.controller.kind)
-        training = _learn(asked, ResumableJobs(folder, options.jobs, follow_pieces, note))
+        training = _learn(asked, ResumableJobs(folder, progress=follow_pieces, note=note, engine=engine))
     path = folder / FILE
     replace(path, write_training_set(training))
     held = sum(race.tuned is not None for race in training.races)

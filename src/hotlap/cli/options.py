@@ -60,6 +60,7 @@ SHOWN: Mapping[str, Shown] = {
     "randomise": Shown("R"),
     "hold": Shown("LIST"),
     "reliability": Shown("R"),
+    "cluster": Shown("ADDRESS"),
 }
 METAVARS: Mapping[Callable[[str], Any], str] = {path: "FILE", whole: "N", fraction: "R", number: "X", duration: "M", str: "NAME"}
 

@@ -13,10 +13,11 @@ from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
-from hotlap.core.errors import InputError, StudyError
+from hotlap.core.errors import StudyError
 from hotlap.race.controllers import ControllerKind
 from hotlap.report.article import Article, Heading, Paragraph
 from hotlap.reproduce.experiments import EXPERIMENTS, UnavailableError, perform
+from hotlap.system.engine import check_jobs, opened
 from hotlap.system.journal import Journal
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
@@ -26,17 +27,17 @@ PAGE, WEB = "page.md", "page.html"
 
 def run(options: Namespace) -> int:
     """Do what is missing of each experiment, and write its page."""
-    if options.jobs < 0:
-        raise InputError("--jobs", "", f"must not be negative, not {options.jobs}")
+    check_jobs(options.jobs, options.cluster)
     folder: Path = options.out
     if folder.exists() and not folder.is_dir():
         raise StudyError(str(folder), "", "is a file, not a folder for pages")
     pages = []
-    with remark(f"nothing is lost; go on with: {shlex.join(['hotlap', 'reproduce', *options.arguments])}"):
+    again = f"nothing is lost; go on with: {shlex.join(['hotlap', 'reproduce', *options.arguments])}"
+    with opened(options.cluster, options.jobs, note) as engine, remark(again):
         make_kind_ready(BuiltIn(), ControllerKind.MPC)
         for name in EXPERIMENTS if options.experiment == "all" else (options.experiment,):
             note(f"{name}:")
-            jobs = ResumableJobs(folder / (f"{name}-quick" if options.quick else name), options.jobs, follow_pieces, note)
+            jobs = ResumableJobs(folder / (f"{name}-quick" if options.quick else name), progress=follow_pieces, note=note, engine=engine)
             try:
                 page = perform(name, jobs, quick=options.quick)
             except UnavailableError as error:

@@ -17,6 +17,7 @@ from hotlap.cli.stopping import Stopped
 from hotlap.study.database import FILE
 from hotlap.study.glance import find_studies
 from hotlap.study.study import Study
+from hotlap.system.regular_files import is_there
 from hotlap.worlds.world import is_slow
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def run(options: Namespace) -> int:
     """Serve until Ctrl-C."""
     check_range("port", options.port, 0, 65535)
     folder: Path = options.study
-    several = not (folder / FILE).is_file() and next(find_studies(folder), None) is not None
+    several = not is_there(folder / FILE) and next(find_studies(folder), None) is not None
     if several:
         _serve(options, *_studies(folder), "are shown")
     else:

@@ -6,6 +6,8 @@ for finding in describe(load_race("my-race.toml")):
 
 from __future__ import annotations
 
+import numpy as np
+
 from hotlap.feasibility.finding import Finding, Level
 from hotlap.feasibility.quadrotor import describe_quadrotor
 from hotlap.feasibility.race import describe_race
@@ -24,8 +26,9 @@ def describe(description: Description, top_speed: float | None = None) -> tuple[
         description: a track, a quadrotor or a race.
         top_speed: [m/s] of the race's plan where there is one; else a rough estimate stands in.
     """
-    if isinstance(description, Track):
-        return describe_track(description)
-    if isinstance(description, Quadrotor):
-        return describe_quadrotor(description)
-    return describe_race(description, top_speed)
+    with np.errstate(all="ignore"):  # of numbers that cannot be right the findings speak
+        if isinstance(description, Track):
+            return describe_track(description)
+        if isinstance(description, Quadrotor):
+            return describe_quadrotor(description)
+        return describe_race(description, top_speed)

@@ -9,13 +9,13 @@ LONG = 28  # characters of a name, beyond which it has a line of its own in a ta
 
 
 def text(value: object) -> str:
-    """A value as HTML text."""
-    return escape(str(value))
+    """A value as HTML text; of a file's name that is no text the bytes are shown."""
+    return escape(str(value).encode("utf-8", "backslashreplace").decode())
 
 
 def element(name: str, content: str = "", **attributes: object) -> str:
     """An HTML element; its content is HTML already, its attributes are escaped; `class_` is the attribute class."""
-    written = "".join(f' {key.rstrip("_").replace("_", "-")}="{escape(str(value))}"' for key, value in attributes.items())
+    written = "".join(f' {key.rstrip("_").replace("_", "-")}="{text(value)}"' for key, value in attributes.items())
     return f"<{name}{written}>{content}</{name}>"
 
 

@@ -34,6 +34,7 @@ from hotlap.report.transfer_article import CAPTIONS, HEADS, STARTING, cells_of, 
 from hotlap.reproduce.early_turns import sets_of, tell_early_turns
 from hotlap.reproduce.experiments import UnavailableError
 from hotlap.reproduce.published import REAL_WORLD, REAL_WORLD_MEDIANS
+from hotlap.system.engine import Engine
 from hotlap.tuning.goal import Goal, Quantity
 from hotlap.tuning.loop import Tuning, TuningSettings, scenario_for, tune
 from hotlap.tuning.objective import Objective
@@ -97,7 +98,7 @@ def real_world(jobs: ResumableJobs, *, quick: bool) -> Article:
     flights, budget = (1, 20) if quick else (FLIGHTS, BUDGET)
     races = _races(quick=quick)
     with _available():
-        journeys = {name: _journey(race, flights) for name, race in races.items()}
+        journeys = {name: _journey(race, flights, jobs.cluster) for name, race in races.items()}
         next(iter(journeys.values())).open(jobs.folder)  # what is not installed is told before anything is tuned
     vehicles = {TUNED: races, KNOWN: {name: flown_by(race, as_flown(race.vehicle)) for name, race in races.items()}}
     wanted = {f"{name}, {label}": HomeJob(race, budget) for label, each in vehicles.items() for name, race in each.items()}
@@ -134,11 +135,12 @@ def flown_by(race: Race, vehicle: Quadrotor) -> Race:
     return race.model_copy(update={"vehicle": vehicle, "model": race.control_model, "planning": planning})
 
 
-def _journey(race: Race, flights: int) -> Journey:
+def _journey(race: Race, flights: int, cluster: Engine | None) -> Journey:
     """Flights with the default weights, at home and abroad; the tuned ones are still to be found."""
     scenario = prepare(race)
     sets: Mapping[str, Parameters] = {DEFAULT: first_guess(scenario, DEFAULT)}
-    return Journey(scenario, sets, (built_in_world(), AsFlown(), worlds.build(WORLD)), flight_seeds(0, Stream.DEMONSTRATION, 0, flights))
+    everywhere = (built_in_world(), AsFlown(), worlds.build(WORLD, 1, cluster))
+    return Journey(scenario, sets, everywhere, flight_seeds(0, Stream.DEMONSTRATION, 0, flights))
 
 
 def _early(journey: Journey) -> Journey:

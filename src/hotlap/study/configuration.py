@@ -108,24 +108,48 @@ def load_configuration(plain: Mapping[str, Any], reference: Reference) -> Config
     Raises:
         InputError: the race is none that this version knows.
     """
-    numbers = {field.name: plain.get(field.name, 0) for field in fields(TuningSettings) if field.name != "goal"}
+    scenario = Scenario(_load_race(plain["race"]), reference, _load_segments(plain["segments"]))
     return Configuration(
-        scenario=Scenario(_load_race(plain["race"]), reference, _load_segments(plain["segments"])),
-        world=plain["world"],
+        scenario=scenario,
+        world=_text(plain, "world"),
         metric=Metric(plain["metric"]),
-        tuner=plain["tuner"]["name"],
-        settings=TuningSettings(goal=parse_goal(plain["goal"]), **numbers),
-        first_guess=np.array(plain["first_guess"]),
-        cost=plain["cost"],
-        first_guess_name=plain["first_guess_name"],
+        tuner=_text(plain["tuner"], "name"),
+        settings=TuningSettings(goal=parse_goal(_text(plain, "goal")), **_numbers(plain)),
+        first_guess=_load_guess(plain["first_guess"], scenario),
+        cost=_text(plain, "cost"),
+        first_guess_name=_text(plain, "first_guess_name"),
         rival=load_rival(plain),
     )
+
+
+def _load_guess(plain: Any, scenario: Scenario) -> Parameters:
+    """The first guess of a dump, with as many numbers as the scenario asks for."""
+    guess, shape = np.array(plain, dtype=np.float64), (len(scenario.segments), scenario.space.size)
+    if guess.shape != shape:
+        raise InputError("", "first_guess", f"must have {shape[0]} rows of {shape[1]} numbers")
+    return guess
+
+
+def _text(plain: Mapping[str, Any], key: str) -> str:
+    """A value of a dump that has to be text."""
+    if not isinstance(plain[key], str):
+        raise InputError("", key, "must be text")
+    return plain[key]
+
+
+def _numbers(plain: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of a dump that are numbers; 0 where an earlier version knew none."""
+    numbers = {one.name: plain.get(one.name, 0) for one in fields(TuningSettings) if one.name != "goal"}
+    for key, value in numbers.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError("", key, "must be a number")
+    return numbers
 
 
 def load_rival(plain: Mapping[str, Any]) -> Parameters | None:
     """The rival of the first guess in a dump; studies of earlier versions have none."""
     rival = plain.get("rival")
-    return None if rival is None else np.array(rival)
+    return None if rival is None else np.array(rival, dtype=np.float64)
 
 
 def _load_race(plain: Mapping[str, Any]) -> Race:

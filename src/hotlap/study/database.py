@@ -234,7 +234,7 @@ class Database:
             except (OSError, ValueError) as error:
                 raise StudyError(str(self.folder), "", f"cannot be used as the folder of a study: {cause_of(error)}") from None
             if odd:
-                raise StudyError(str(self.folder), "", f"{path.name} is damaged: it {odd}")
+                raise StudyError(str(self.folder), "", f"{path.name} is damaged: it {odd.partition(':')[0]}")
 
     def _release(self) -> None:
         if self._lock is not None:

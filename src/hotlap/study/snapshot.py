@@ -53,7 +53,9 @@ class Snapshot(Shown):
     def remark(self) -> str:
         """Which plan was chosen, where one was, the tuner's own remark, and where to read how it flew elsewhere."""
         elsewhere = f"Flown in other worlds, too: {ELSEWHERE}" if (self.folder / ELSEWHERE).is_file() else ""
-        several = "Flown by several versions of hotlap's source code" if len({words.get("code") for _, words in self.openings}) > 1 else ""
+        several = (
+            "Flown by several versions of hotlap's source code" if len({str(words.get("code")) for _, words in self.openings}) > 1 else ""
+        )
         told = describe_choice(self.plans), several, "" if self.result is None else self.result.remark, elsewhere
         return ". ".join(part for part in told if part)
 

@@ -360,6 +360,7 @@ class Study(Framed):
     def _continue(self, configuration: Configuration) -> None:
         """Check that the study is the one asked for; take over a larger budget."""
         plain, asked = self._plain_configuration(), configuration.dump()
+        self._database.rows("flight")  # nothing is added to what is damaged
         with self._database.decoding("its configuration"):
             difference = first_difference(plain, asked)
             rival, name, budget = load_rival(plain), str(plain["first_guess_name"]), int(plain["budget"])

@@ -9,11 +9,11 @@ import multiprocessing
 import pickle
 import signal
 import warnings
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from pathlib import Path
 from typing import Any, TypeVar
 
 from hotlap.core.errors import HotlapError
@@ -25,89 +25,145 @@ Piece = TypeVar("Piece")
 Item = TypeVar("Item")
 
 DIED = "a worker process has died, perhaps for want of memory"
+MOST_LOSSES = 3  # of workers that one piece may cost
 NOTHING_OF_THE_FOLDER = {"PYTHONSAFEPATH": "1"}  # a worker begins with Python's own path, and then has that of its parent
-
 _ITEM, _END, _ERROR = range(3)
 
 
 def spread(work: Callable[[Piece], Iterable[Item]], pieces: Sequence[Piece], processes: int = 0) -> Iterator[tuple[Piece, Item]]:
-    """Do all pieces of work, several at a time.
+    """Do all pieces of work in processes of this machine; see `Processes`."""
+    yield from Processes(processes).spread(work, pieces)
+
+
+class Processes:
+    """An engine whose workers are processes of this machine.
 
     Args:
-        work: gives the results of a piece, one after the other; a function of a module, so that workers can find it.
-        pieces: in the order in which they are begun.
-        processes: how many; 0 for one a processor, 1 for none beside this one.
-
-    Yields:
-        A piece and a result of it, in the order in which they arrive.
-
-    Raises:
-        Exception: what a piece of work raised; the others are stopped.
+        count: how many; 0 for one a processor, 1 for none beside this one.
+        note: called with a line where a worker was lost.
     """
-    crew = min(processes or available(), len(pieces))
-    if crew <= 1:
+
+    def __init__(self, count: int = 0, note: Callable[[str], None] = lambda _line: None) -> None:
+        self._count, self._note = count, note
+
+    @property
+    def workers(self) -> int:
+        """How many pieces are done at a time."""
+        return self._count or available()
+
+    def require(self, *files_or_modules: str | Path) -> None:
+        """Nothing: processes of this machine find what is here."""
+
+    def spread(self, work: Callable[[Piece], Iterable[Item]], pieces: Sequence[Piece]) -> Iterator[tuple[Piece, Item]]:
+        """Do all pieces of work; see `engine.Engine.spread`.
+
+        Raises:
+            HotlapError: a piece has cost too many workers.
+            Exception: what a piece of work raised.
+        """
+        crew = min(self.workers, len(pieces))
+        if crew > 1:
+            yield from _Crew(work, pieces, self._note).serve(crew)
+            return
         for piece in pieces:
             for item in work(piece):
                 yield piece, item
-        return
-    with _workers(work, crew) as workers:
-        yield from _serve(workers, deque(enumerate(pieces)), pieces)
 
 
-def _serve(workers: Sequence[Connection], waiting: deque[tuple[int, Any]], pieces: Sequence[Any]) -> Iterator[tuple[Any, Any]]:
-    """Hand out pieces, collect results."""
-    busy = set()
-    for worker in workers:
-        _hand_out(worker, waiting)
-        busy.add(worker)
-    while busy:
-        for worker in wait(list(busy)):
-            assert isinstance(worker, Connection)  # noqa: S101  what it was given
-            try:
-                kind, index, content = worker.recv()
-            except (EOFError, OSError):
-                raise HotlapError(DIED) from None
-            if kind == _ERROR:
-                raise content
-            if kind == _ITEM:
-                yield pieces[index], content
-            elif waiting:
-                _hand_out(worker, waiting)
-            else:
-                busy.discard(worker)
+class _Worker:
+    """A process that waits for pieces.
 
+    Attributes:
+        pipe: our end of its connection.
+        index: of the piece that it does; None where it waits.
+        seen: results of that piece so far.
+    """
 
-def _hand_out(worker: Connection, waiting: deque[tuple[int, Any]]) -> None:
-    """Give a worker the next piece."""
-    try:
-        worker.send(waiting.popleft())
-    except OSError:
-        raise HotlapError(DIED) from None
-
-
-@contextmanager
-def _workers(work: Callable[[Any], Iterable[Any]], crew: int) -> Iterator[list[Connection]]:
-    """Worker processes that wait for pieces; they are stopped when the block ends, in whatever way."""
-    context = multiprocessing.get_context("spawn")
-    processes: list[BaseProcess] = []
-    ours: list[Connection] = []
-    try:
+    def __init__(self, work: Callable[[Any], Iterable[Any]]) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.pipe, theirs = context.Pipe()
+        self.process = context.Process(target=_serve_pipe, args=(work, theirs), daemon=True)
+        self.index: int | None = None
+        self.seen = 0
         with one_thread_each(), variables(NOTHING_OF_THE_FOLDER):
+            self.process.start()
+        theirs.close()
+
+    def close(self) -> None:
+        """Tell it to end, whatever it does."""
+        self.pipe.close()
+        self.process.terminate()
+
+
+class _Crew:
+    """Workers over the pieces of one call."""
+
+    def __init__(self, work: Callable[[Any], Iterable[Any]], pieces: Sequence[Any], note: Callable[[str], None]) -> None:
+        self._work, self._pieces, self._note = work, pieces, note
+        self._waiting = deque(range(len(pieces)))
+        self._given, self._losses = Counter[int](), Counter[int]()
+        self._workers: list[_Worker] = []
+
+    def serve(self, crew: int) -> Iterator[tuple[Any, Any]]:
+        """Hand out pieces, collect results; the workers are stopped in whatever way it ends."""
+        try:
             for _ in range(crew):
-                mine, theirs = context.Pipe()
-                process = context.Process(target=_serve_pipe, args=(work, theirs), daemon=True)
-                process.start()
-                theirs.close()
-                processes.append(process)
-                ours.append(mine)
-        yield ours
-    finally:
-        for connection in ours:
-            connection.close()
-        for process in processes:
-            process.terminate()
-        for process in processes:
-            process.join()
+                self._begin()
+            while busy := {worker.pipe: worker for worker in self._workers if worker.index is not None}:
+                for pipe in wait(list(busy)):
+                    worker = busy[pipe]  # pyright: ignore[reportArgumentType]  one of those it was given
+                    yield from self._receive(worker)
+        finally:
+            for worker in self._workers:
+                worker.close()
+            for worker in self._workers:
+                worker.process.join()
+
+    def _begin(self) -> None:
+        """One more worker, with its first piece."""
+        worker = _Worker(self._work)
+        self._workers.append(worker)
+        self._hand_out(worker)
+
+    def _hand_out(self, worker: _Worker) -> None:
+        """Give a worker the next piece, if there is any."""
+        worker.index, worker.seen = (self._waiting.popleft() if self._waiting else None), 0
+        if worker.index is None:
+            return
+        try:
+            worker.pipe.send((worker.index, self._pieces[worker.index]))
+        except OSError:
+            self._lose(worker)
+
+    def _receive(self, worker: _Worker) -> Iterator[tuple[Any, Any]]:
+        """What a worker says: a result, that a piece is done, or what went wrong."""
+        try:
+            kind, index, content = worker.pipe.recv()
+        except (EOFError, OSError):
+            self._lose(worker)
+            return
+        if kind == _ERROR:
+            raise content
+        if kind == _END:
+            self._hand_out(worker)
+            return
+        worker.seen += 1
+        if worker.seen > self._given[index]:  # what a lost worker gave before is not given twice
+            self._given[index] += 1
+            yield self._pieces[index], content
+
+    def _lose(self, worker: _Worker) -> None:
+        """Let another worker begin the piece of one that has died."""
+        index = worker.index
+        assert index is not None, "it was given one"  # noqa: S101  our own mistake
+        worker.index = None
+        worker.close()
+        self._losses[index] += 1
+        if self._losses[index] >= MOST_LOSSES:
+            raise HotlapError(DIED)
+        self._note(f"note: {DIED}; another one does its work again")
+        self._waiting.appendleft(index)
+        self._begin()
 
 
 def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
@@ -123,7 +179,7 @@ def _serve_pipe(work: Callable[[Any], Iterable[Any]], pipe: Connection) -> None:
             except (BrokenPipeError, ConnectionResetError):
                 raise
             except Exception as error:  # noqa: BLE001  whatever it was, the parent raises it
-                pipe.send((_ERROR, index, _portable(error)))
+                pipe.send((_ERROR, index, portable(error)))
             pipe.send((_END, index, None))
 
 
@@ -132,7 +188,7 @@ def _in_one_line(message: Warning | str, *_: object, **__: object) -> str:
     return f"hotlap: warning: {message}\n"
 
 
-def _portable(error: Exception) -> Exception:
+def portable(error: Exception) -> Exception:
     """An error that can be sent between processes: itself, or another one with its message."""
     try:
         pickle.loads(pickle.dumps(error))  # noqa: S301  it is our own

@@ -15,14 +15,18 @@ from collections.abc import Callable
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.core.own_code import import_own
-from hotlap.core.world_names import BUILT_IN, OWN, SIMULATORS
+from hotlap.core.world_names import BUILT_IN, OWN, SERVED, SIMULATORS
+from hotlap.system.engine import Engine
 from hotlap.worlds.built_in import BuiltIn
 from hotlap.worlds.simulator import Simulator
 from hotlap.worlds.world import World
+
+if TYPE_CHECKING:
+    from hotlap.worlds.stepped import Stepped
 
 DEFAULT = BUILT_IN
 MOST_INSTANCES = 256
@@ -33,12 +37,13 @@ def names() -> tuple[str, ...]:
     return (BUILT_IN, *(name for name in SIMULATORS if find_spec(f"{__name__}.{name}") is not None))
 
 
-def build(name: str, instances: int = 1) -> World:
+def build(name: str, instances: int = 1, engine: Engine | None = None) -> World:
     """A world by its name; a simulator is opened by the first flight.
 
     Args:
         name: of the world, and what its simulator is told behind a colon.
         instances: simulators that fly side by side.
+        engine: whose workers open the simulators; None: this process does.
 
     Raises:
         UnknownNameError: with the names that there are.
@@ -56,9 +61,36 @@ def build(name: str, instances: int = 1) -> World:
     if base == BUILT_IN:
         raise InputError("", "on", f"{BUILT_IN} is told nothing, not '{argument}'")
     opened = _import(base) if "." in base else partial(_open, base)
+    if engine is not None:
+        from hotlap.worlds.on_workers import OnWorkers  # noqa: PLC0415  only for simulators on workers
+
+        check_spread(name)
+        engine.require(*needed(name))
+        return _named(OnWorkers(name, instances, engine), base)
     from hotlap.worlds.stepped import Stepped  # noqa: PLC0415  only for simulators
 
-    world = Stepped(name, partial(_tell, opened, argument) if argument else opened, instances)
+    return _named(Stepped(name, partial(_tell, opened, argument) if argument else opened, instances), base)
+
+
+def check_spread(name: str) -> None:
+    """Refuse worlds that workers of a cluster cannot open.
+
+    Raises:
+        InputError: it is a server, of which there is one.
+    """
+    base = name.partition(":")[0]
+    if base in SERVED:
+        raise InputError("", "cluster", f"has no {base}, which is a server of its own")
+
+
+def needed(name: str) -> tuple[str, ...]:
+    """What a world by its name reads, besides hotlap: the module of one's own simulator, and a file that it is told."""
+    base, _, argument = name.partition(":")
+    return base.rpartition(".")[0], argument
+
+
+def _named(world: Stepped, base: str) -> Stepped:
+    """A world with the words for what it does while it is opened."""
     if "." not in base:
         world.opening = getattr(import_module(f"{__name__}.{base}"), "OPENING", world.opening)
     return world

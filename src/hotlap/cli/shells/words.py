@@ -20,7 +20,7 @@ from hotlap.first_guess.names import NAMES as GUESSES
 LONGEST = 70  # characters of a help
 FOLDER = "DIR"  # the metavar of folders
 LISTS = frozenset({"tuners", "to"})  # arguments whose words are joined by commas
-EITHER = frozenset({"race", "races", "track", "vehicle", "first_guess"})  # arguments that are names or files
+EITHER = frozenset({"race", "races", "track", "vehicle", "first_guess", "cluster"})  # arguments that are names or files
 
 
 @dataclass(frozen=True)

@@ -332,4 +332,9 @@ def dump_repeats(repeats: Repeats) -> dict[str, Any]:
 
 def write_json(document: dict[str, Any]) -> str:
     """The document as one line of JSON that may stand inside an HTML element: it contains no `<`."""
-    return json.dumps(document, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+    return (
+        json.dumps(document, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+        .replace("<", "\\u003c")
+        .encode("utf-8", "replace")
+        .decode()
+    )
