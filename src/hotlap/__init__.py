@@ -8,8 +8,8 @@ the result, and writes a page about it:
     tuned = hotlap.tune("circle-34", out="runs/mine")
     tuned.confirmed, tuned.validation, tuned.values, tuned.report
 
-`hotlap.check`, `plan`, `fly`, `score`, `transfer`, `compare` and `export` do likewise. The pieces of which they are made are reached by
-package:
+`hotlap.check`, `identify`, `plan`, `fly`, `score`, `transfer`, `compare` and `export` do likewise. The pieces of which they are
+made are reached by package:
 
     from hotlap import tuners
     from hotlap.planning.preparation import prepare
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from hotlap.api.comparing import compare
     from hotlap.api.exporting import export
     from hotlap.api.flying import fly
+    from hotlap.api.identifying import identify
     from hotlap.api.planning import plan
     from hotlap.api.scoring import score
     from hotlap.api.transferring import transfer
@@ -58,6 +59,7 @@ __all__ = [
     "compare",
     "export",
     "fly",
+    "identify",
     "load_parameters",
     "load_race",
     "plan",
@@ -71,6 +73,7 @@ _HOMES = {
     "api.comparing": ("compare",),
     "api.exporting": ("export",),
     "api.flying": ("fly",),
+    "api.identifying": ("identify",),
     "api.planning": ("plan",),
     "api.scoring": ("score",),
     "api.transferring": ("transfer",),

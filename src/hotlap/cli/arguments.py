@@ -12,6 +12,7 @@ from hotlap.api.checking import check
 from hotlap.api.comparing import compare
 from hotlap.api.exporting import export
 from hotlap.api.flying import fly
+from hotlap.api.identifying import identify
 from hotlap.api.importing import import_file
 from hotlap.api.planning import plan
 from hotlap.api.scoring import score
@@ -111,6 +112,10 @@ def _new(parser: Parser) -> None:
 
 def _import(parser: Parser) -> None:
     add_call(parser, import_file)
+
+
+def _identify(parser: Parser) -> None:
+    add_call(parser, identify, known=Shown("WHAT", "quantity", ("mass", "thrust")))
 
 
 def _plan(parser: Parser) -> None:
@@ -243,6 +248,16 @@ COMMANDS: Mapping[str, Command] = {
             "hotlap import race_uzh_7g_multiprisma.yaml",
             "hotlap import params.toml --name cf21B_500 --out my-drone.toml",
             "hotlap import airsim://127.0.0.1:41451 --out my-track.toml",
+        ),
+    ),
+    "identify": Command(
+        "find a drone's numbers in logs of its flights",
+        "Find a quadrotor's thrust, motor lag, rate loop, dead time and drag in logs of its flights, each with a 95 % interval; say how\n"
+        "well they predict what was not fitted, what the logs cannot tell, and which manoeuvre would. Writes a quadrotor on its base.",
+        _identify,
+        (
+            "hotlap identify flight.csv --quadrotor five-inch --out my-drone.toml",
+            "hotlap identify first.csv second.csv --quadrotor my-base.toml --picture predicted.png",
         ),
     ),
     "plan": Command(

@@ -16,6 +16,7 @@ from hotlap.race.controller_kind import ControllerKind
 from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.tuning.goal_forms import FORMS
 
+SEVERAL = ("races", "logs")  # arguments of which several may be given
 ONLY_IN_PYTHON = "; in Python"  # what follows it in a docstring is not for the command line
 _ARGUMENTS = re.compile(r"^Args:\n(.*?)(?:\n\n|\Z)", re.DOTALL | re.MULTILINE)
 _ARGUMENT = re.compile(r"^    (\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
@@ -43,6 +44,8 @@ WORLDS = f"{', '.join((BUILT_IN, *SIMULATORS))} or {OWN}, each NAME[:ARGUMENT]"
 SHOWN: Mapping[str, Shown] = {
     "race": Shown("RACE"),
     "races": Shown("RACE"),
+    "logs": Shown("LOG"),
+    "quadrotor": Shown("QUADROTOR"),
     "file": Shown("FILE"),
     "map": Shown("FILE"),
     "start": Shown("S"),
@@ -109,7 +112,7 @@ def _add(parser: Parser, parameter: inspect.Parameter, meaning: str, shown: Show
         "help": f"{meaning}: {known}" if known else meaning,
     }
     if parameter.kind is not parameter.KEYWORD_ONLY and option != "--format":
-        parser.add_argument(parameter.name, **settings, **({"nargs": "+"} if parameter.name == "races" else {}))
+        parser.add_argument(parameter.name, **settings, **({"nargs": "+"} if parameter.name in SEVERAL else {}))
     elif default is parameter.empty:
         parser.add_argument(option, required=True, **settings)
     else:

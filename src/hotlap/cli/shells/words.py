@@ -19,8 +19,9 @@ from hotlap.first_guess.names import NAMES as GUESSES
 
 LONGEST = 70  # characters of a help
 FOLDER = "DIR"  # the metavar of folders
+FILES = frozenset({"FILE", "LOG"})  # metavars of files
 LISTS = frozenset({"tuners", "to"})  # arguments whose words are joined by commas
-EITHER = frozenset({"race", "races", "track", "vehicle", "first_guess", "cluster"})  # arguments that are names or files
+EITHER = frozenset({"race", "races", "track", "vehicle", "first_guess", "cluster", "quadrotor"})  # arguments that are names or files
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ def _argument(command: str, action: argparse.Action) -> Argument:
         meaning=_shorten(action.help or ""),
         metavar=str(action.metavar) if takes else "",
         words=words,
-        files=takes and not folders and (action.type is path or action.dest in EITHER or action.metavar == "FILE"),
+        files=takes and not folders and (action.type is path or action.dest in EITHER or action.metavar in FILES),
         folders=folders,
         joined=action.dest in LISTS,
     )
@@ -136,6 +137,7 @@ NAMED: Mapping[str, Callable[[], tuple[str, ...]]] = {  # by argument, what its 
     "races": _races,
     "track": _tracks,
     "vehicle": _quadrotors,
+    "quadrotor": _quadrotors,
     "tuner": _tuners,
     "tuners": _tuners,
     "on": _worlds,

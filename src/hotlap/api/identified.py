@@ -1,0 +1,109 @@
+"""Identified: a quadrotor's numbers as logs of its flights tell them, and files of them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hotlap.api.asked import Asked
+from hotlap.api.inputs import as_path, check_source, check_target
+from hotlap.api.outcome import Outcome
+from hotlap.core.counts import count
+from hotlap.core.errors import InputError
+from hotlap.files.descriptions import load_quadrotor, names
+from hotlap.files.kinds import Kind
+from hotlap.identification.estimates import Estimate
+from hotlap.identification.identify import STAGES, Identification, identify
+from hotlap.identification.quadrotor_file import quadrotor_of, text_of
+from hotlap.logs.hotlap_csv import read_hotlap_csv
+from hotlap.race.quadrotor import Quadrotor
+from hotlap.report.formats import SUFFIXES
+from hotlap.system.text_files import replace
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+KNOWN = ("mass", "thrust")
+
+
+@dataclass(frozen=True, repr=False)
+class IdentifiedQuadrotor(Outcome):
+    """What logs say of a quadrotor.
+
+    Attributes:
+        quadrotor: the base with what they tell.
+        identification: all of it: estimates with intervals, thrust map, predictions where the logs were not fitted.
+        file: that was written; None where none was asked for.
+        picture: likewise.
+    """
+
+    quadrotor: Quadrotor
+    identification: Identification
+    file: Path | None = None
+    picture: Path | None = None
+
+    @property
+    def estimates(self) -> tuple[Estimate, ...]:
+        """Of each number, with its interval."""
+        return self.identification.estimates
+
+    def facts(self) -> dict[str, str]:
+        """What was identified from what, and the files."""
+        found = self.identification
+        return {
+            "title": f"{found.base.name}, from {count(len(found.logs), 'log')} of {found.seconds:.0f} s",
+            "told": f"{len(found.estimates) - len(found.untold)} of {len(found.estimates)} numbers",
+            "file": str(self.file or ""),
+            "picture": str(self.picture or ""),
+        }
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row for each number."""
+        return [one.dump() for one in self.estimates]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The keys of `hotlap identify --json`."""
+        files = {name: None if path is None else str(path) for name, path in (("file", self.file), ("picture", self.picture))}
+        return {**self.identification.to_dict(), **files}
+
+    def plot(self) -> Figure:
+        """Predicted against measured, on the seconds of the first log that were not fitted."""
+        from hotlap.report.identification_chart import identification  # noqa: PLC0415  matplotlib, only where there is something to draw
+
+        return identification(self.identification)
+
+
+def carry_out(asked: Asked) -> IdentifiedQuadrotor:
+    """Check what was asked for, fit, and write."""
+    if asked.known not in KNOWN:
+        raise InputError("", "known", f"must be {' or '.join(KNOWN)}, not '{asked.known}'")
+    given = [asked.logs] if isinstance(asked.logs, str | Path) else list(asked.logs)
+    if not given:
+        raise InputError("", "logs", "at least one is needed")
+    out, picture = as_path(asked.out), as_path(asked.picture)
+    check_target(out, (".toml",))
+    check_target(picture, SUFFIXES)
+    base = load_quadrotor(asked.quadrotor)
+    for path in given:
+        check_source(Path(path))
+    logs = [read_hotlap_csv(path) for path in given]
+    with asked.progress.pieces("stages", STAGES, 0, even=False) as say:
+        found = identify(logs, base, thrust_known=asked.known == "thrust", say=say)
+    label = str(out or asked.quadrotor)
+    identified = IdentifiedQuadrotor(quadrotor_of(found, label), found, out, picture)
+    if out is not None:
+        replace(out, text_of(found, _from(out, asked.quadrotor)))
+    if picture is not None:
+        from hotlap.report.pictures import save  # noqa: PLC0415  matplotlib, only where there is something to draw
+
+        save(picture, identified.plot())
+    return identified
+
+
+def _from(out: Path, base: str | Path) -> str:
+    """The base as the file that is written calls it: by name, or by its path from there."""
+    if str(base) in names(Kind.QUADROTOR):
+        return str(base)
+    return Path(os.path.relpath(Path(base).resolve(), out.resolve().parent)).as_posix()
