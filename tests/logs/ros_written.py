@@ -9,9 +9,9 @@ from mcap_ros2.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from written import Flown
 
 from hotlap.reference.attitude import rotate
+from logs.written import Flown
 
 TARGET = "std_msgs/Header header\nuint8 type_mask\ngeometry_msgs/Quaternion orientation\ngeometry_msgs/Vector3 body_rate\nfloat32 thrust"
 EPOCH = 1_700_000_000

@@ -6,11 +6,11 @@ import os
 
 import numpy as np
 import pytest
-from ros_written import write_bag1, write_bag2, write_mcap
-from written import make_flight, write_blackbox, write_csv, write_dataflash, write_ulog
 
 from hotlap.core.errors import InputError
 from hotlap.logs.readers import MOST_BYTES, need, read
+from logs.ros_written import write_bag1, write_bag2, write_mcap
+from logs.written import make_flight, write_blackbox, write_csv, write_dataflash, write_ulog
 
 FLIGHT = make_flight(60)
 

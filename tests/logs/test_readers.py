@@ -6,14 +6,14 @@ import sys
 
 import numpy as np
 import pytest
-from ros_written import write_bag1, write_bag2, write_mcap
-from written import make_flight, write_blackbox, write_csv, write_dataflash, write_ulog
 
 from hotlap.core.errors import InputError
 from hotlap.logs.flight_log import COLUMNS
 from hotlap.logs.frames import from_angles
 from hotlap.logs.readers import need, read
 from hotlap.reference.attitude import rotate
+from logs.ros_written import write_bag1, write_bag2, write_mcap
+from logs.written import make_flight, write_blackbox, write_csv, write_dataflash, write_ulog
 
 FLIGHT = make_flight()
 TRUTH = {"thrust_command": FLIGHT.thrust, "motor_command": FLIGHT.motors, "battery": FLIGHT.volts}
