@@ -328,8 +328,8 @@ COMMANDS: Mapping[str, Command] = {
     ),
     "export": Command(
         "write parameters for other programs",
-        "Write tuned parameters as other programs read them: mpc.yaml of rpg_mpc, weights for acados, JSON, TOML, CSV; or all flights\n"
-        "of a study for optuna-dashboard.",
+        "Write tuned parameters as other programs read them: mpc.yaml of rpg_mpc, weights for acados, JSON, TOML, CSV; the vehicle for\n"
+        "PX4 and agilicious; a flight with them for Foxglove and ROS 2; or all flights of a study for optuna-dashboard.",
         _export,
         ("hotlap export runs/mine --format acados", "hotlap export runs/mine --format optuna --out flights.db"),
     ),
