@@ -22,6 +22,7 @@ COMMANDS = {
     "completion": ["bash"],
     "new": ["track", "mine"],
     "import": [str(ROOT / "tests" / "importers" / "samples" / "mrs.yaml")],
+    "identify": ["flight.csv", "--quadrotor", "hummingbird"],
     "plan": ["circle-34"],
     "tune": ["circle-34", "--validation", "10", "--out", "study"],
     "fly": ["circle-34", "--flights", "2"],
@@ -45,8 +46,9 @@ COMMANDS = {
 
 
 STUDY = ["tune", "circle-34", "--validation", "0", "--out", "study", "--json"]
-BEFORE = {"export": STUDY, "report": STUDY}  # what a command needs to have run
-LONG = {"tune", "export", "report", "compare"}  # commands that tune
+FLIGHT = ["fly", "circle-34", "--flights", "1", "--log", "flight.csv", "--json"]
+BEFORE = {"export": STUDY, "report": STUDY, "identify": FLIGHT}  # what a command needs to have run
+LONG = {"tune", "export", "report", "compare", "identify"}  # commands that tune or fit
 
 
 def documented():

@@ -6,14 +6,17 @@ import math
 import shlex
 from argparse import Namespace
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
-from hotlap.api.identified import IdentifiedQuadrotor
 from hotlap.api.identifying import identify
 from hotlap.cli.options import arguments_of
 from hotlap.cli.output import Line, present, table
 from hotlap.cli.progress import TERMINAL
-from hotlap.identification.estimates import Estimate
-from hotlap.identification.quadrotor_file import number
+from hotlap.identification.wording import number
+
+if TYPE_CHECKING:
+    from hotlap.api.identified import IdentifiedQuadrotor
+    from hotlap.identification.estimates import Estimate
 
 
 def run(options: Namespace) -> int:

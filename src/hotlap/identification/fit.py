@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,8 +165,8 @@ def fit(
     problem = _Problem(models, unknowns, counts)
     for _ in range(rounds):
         problem.reweigh(theta)
-        kept = {"method": "lm", "x_scale": "jac", "max_nfev": EVALUATIONS, "ftol": 1e-6, "xtol": 1e-6}
-        theta = least_squares(problem.residuals, theta, problem.jacobian, **kept).x
+        kept: dict[str, Any] = {"jac": problem.jacobian, "max_nfev": EVALUATIONS, "ftol": 1e-6, "xtol": 1e-6}
+        theta = least_squares(problem.residuals, theta, method="lm", x_scale="jac", **kept).x
     problem.reweigh(theta)
     residuals, jacobian = problem.residuals(theta), problem.jacobian(theta)
     bread = np.linalg.inv(jacobian.T @ jacobian)

@@ -16,9 +16,10 @@ from hotlap.identification.estimates import Estimate, by_key
 from hotlap.identification.identify import Identification
 from hotlap.identification.model import scaled
 from hotlap.identification.unknowns import AXES
+from hotlap.identification.wording import number
 from hotlap.race.quadrotor import MOST_DELAY, Quadrotor
 
-WIDTH, DIGITS = 140, 4
+WIDTH = 140
 LOOP = "rate_loop.p"
 
 
@@ -105,11 +106,6 @@ def _intervals(ones: Sequence[Estimate]) -> str:
     """Unit and intervals of one key."""
     shown = [f"{number(one.low)} to {number(one.high)}" if one.told else "not told" for one in ones]
     return f"{ones[0].unit}; {', '.join(shown)}"
-
-
-def number(value: float) -> str:
-    """A value with four digits."""
-    return f"{value:.{DIGITS}g}"
 
 
 def _along_axes(base: Sequence[float], told: Sequence[Estimate]) -> list[float]:

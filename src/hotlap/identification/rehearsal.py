@@ -97,7 +97,7 @@ def rehearse(
         after = simulator.states()[0]
         world = (after[7:10] - before[7:10]) / simulator.step + [0.0, 0.0, quadrotor.gravity]
         force = (_matrix(after[3:7]) + _matrix(before[3:7])).T / 2 @ world
-    times, full = period * np.arange(count), quadrotor.max_acceleration
+    times, full = period * np.arange(count, dtype=np.float64), quadrotor.max_acceleration
     rows = {"position": measured[:, :3], "attitude": measured[:, 3:7], "velocity": measured[:, 7:10], "rates": measured[:, 10:]}
     rows |= {"rate_command": commands[:, 1:], "thrust_command": commands[:, :1] / full}
     if accelerometer:

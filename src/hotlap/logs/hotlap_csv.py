@@ -38,9 +38,6 @@ def read_hotlap_csv(path: str | Path) -> FlightLog:
     """
     table = _read(Path(path))
     label = str(path)
-    for name in NEEDED:
-        if name not in table:
-            raise InputError(label, name, f"this column is missing; a log of hotlap has {', '.join(NEEDED)}")
     times = table["t"]
     if len(times) < 2 or (np.diff(times) <= 0).any():
         raise InputError(label, "t", "must increase from row to row, over two rows or more")
@@ -99,6 +96,9 @@ def _read(path: Path) -> dict[str, Floats]:
     if len(rows) < 2:
         raise InputError(str(path), "", "is empty: a header and rows of numbers are needed")
     names = [name.strip() for name in rows[0]]
+    for name in NEEDED:
+        if name not in names:
+            raise InputError(str(path), name, f"this column is missing; a log of hotlap has {', '.join(NEEDED)}")
     table = np.full((len(rows) - 1, len(names)), np.nan)
     for k, row in enumerate(rows[1:]):
         if len(row) != len(names):

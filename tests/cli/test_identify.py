@@ -1,0 +1,75 @@
+"""`hotlap identify`."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hotlap.files.descriptions import load_quadrotor
+from hotlap.identification.identify import identify
+from hotlap.identification.replay import replay
+from hotlap.logs.hotlap_csv import write_hotlap_csv
+from identification.flights import BASE, drawn
+
+
+@pytest.fixture(scope="module")
+def flown():
+    """The first eight seconds, with roll doublets and without turns of yaw; compiles all before there is an empty cache."""
+    replay(BASE, np.zeros((1, 4)))
+    return drawn(3).fly(3, seconds=8.0)
+
+
+@pytest.fixture(scope="module")
+def found(flown):
+    return identify([flown], BASE)
+
+
+@pytest.fixture
+def flight(flown, here):
+    path = here / "flight.csv"
+    write_hotlap_csv(path, flown)
+    return path.name
+
+
+def test_numbers_predictions_and_what_is_missing_are_said_and_written(hotlap, here, flight):
+    ran = hotlap("identify", flight, "--quadrotor", "five-inch", "--known", "thrust", "--out", "mine.toml", "--picture", "seen.png")
+    assert ran.code == 0
+    first, *others = ran.out.splitlines()
+    assert first == "five-inch, from 1 log of 8 s; its thrust is taken to be right"
+    assert any(line.startswith("  mass") for line in others)
+    assert any(line.startswith("  rate gain yaw: yaw was hardly asked to turn") for line in others)
+    assert others[-2:] == ["picture written to seen.png", "wrote mine.toml; next: hotlap check mine.toml"]
+    assert (here / "seen.png").stat().st_size > 10_000
+    mine, base = load_quadrotor(here / "mine.toml"), load_quadrotor("five-inch")
+    assert mine.rotor_thrust == base.rotor_thrust
+    assert mine.mass == pytest.approx(drawn(3).vehicle.mass, rel=0.02)
+    assert mine.rate_gain[2] == base.rate_gain[2]
+    assert "stages" in ran.err
+
+
+def test_a_base_beside_the_file_is_found_from_it(found, hotlap, here, flight, monkeypatch):
+    monkeypatch.setattr("hotlap.api.identified.identify", lambda *_, **__: found)
+    (here / "base.toml").write_text('base = "five-inch"\nmass = 0.7\n')
+    (here / "found").mkdir()
+    ran = hotlap("identify", flight, "--quadrotor", "base.toml", "--out", "found/mine.toml", "--json")
+    assert ran.document["file"] == "found/mine.toml"
+    assert 'base = "../base.toml"' in (here / "found" / "mine.toml").read_text()
+    assert load_quadrotor(here / "found" / "mine.toml").mass == 0.7
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--quadrotor", "five-inch"), "LOG: is missing; see hotlap identify --help"),
+        (("nowhere.csv",), "--quadrotor: is missing; see hotlap identify --help"),
+        (("nowhere.csv", "--quadrotor", "five-inch"), "nowhere.csv: there is no such file"),
+        (("nowhere.csv", "--quadrotor", "five-inch", "--out", "mine.yaml"), "mine.yaml: must end with .toml"),
+        (("a.csv", "--quadrotor", "five-inch", "--picture", "seen.gif"), "seen.gif: must end with .png, .svg, .pdf"),
+        (("straight.toml", "--quadrotor", "five-inch"), "straight.toml: t: this column is missing; a log of hotlap has t, w_x"),
+    ],
+)
+def test_bad_input_is_one_line(hotlap, arguments, message):
+    ran = hotlap("identify", *arguments)
+    assert ran.code == 2
+    assert ran.err.startswith(f"hotlap: {message}")
+    assert ran.err.count("\n") == 1
