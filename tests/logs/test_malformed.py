@@ -63,6 +63,7 @@ MALFORMED = {
     "empty": (lambda d: _bytes(d / "a.ulg", b""), "is empty"),
     "text, no log": (lambda d: _text(d / "a.ulg", "hello\n" * 9), "does not begin like a ULog of PX4"),
     "noise": (lambda d: _bytes(d / "a.dat", np.random.default_rng(0).bytes(5000)), "is no log that hotlap knows: PX4 ULog"),
+    "a race": (lambda d: _text(d / "a.toml", 'name = "race"\n'), "is no log that hotlap knows"),
     "fifo": (lambda d: _fifo(d / "a.csv"), "is not a file that can be read"),
     "device": (lambda d: "/dev/zero", "is not a file that can be read"),
     "folder": (lambda d: d, "is a folder, and no ROS 2 bag"),

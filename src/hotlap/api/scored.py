@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +24,7 @@ from hotlap.core.records import Flights, Scores
 from hotlap.core.seeds import LARGEST_RUN_SEED, Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.logs.flight_log import FlightLog
-from hotlap.logs.key_map import load_map
+from hotlap.logs.key_map import asked_map
 from hotlap.logs.readers import need, read
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort, effort_of
@@ -169,8 +168,7 @@ def carry_out(asked: Asked) -> ScoredFlight:
     check_target(page, PAGES)
     race = load(asked.race, asked.controller)
     check_guess(str(asked.first_guess))
-    keys = asked.map if asked.map is None or isinstance(asked.map, Mapping) else load_map(Path(asked.map))
-    log = read(asked.log, keys)
+    log = read(asked.log, asked_map(asked.map))
     need(log, ("position",), "the judge of a race")
     race = planned_as(race, asked.first_guess if asked.parameters is None else asked.parameters) if asked.reference is None else race
     scenario = make_scenario(race, asked)

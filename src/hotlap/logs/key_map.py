@@ -89,6 +89,15 @@ def load_map(path: Path) -> WrittenMap:
     return WrittenMap(read(path, str(path)), str(path))
 
 
+def asked_map(given: str | Path | Mapping[str, Any] | None) -> Mapping[str, Any] | None:
+    """A map as it is asked for: a file, or what one would hold.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    return load_map(Path(given)) if isinstance(given, str | Path) else given
+
+
 def make_map(given: Mapping[str, Any]) -> KeyMap:
     """A map from what was given: columns by signal, `time`, and if need be `units` and `frame`.
 

@@ -78,7 +78,7 @@ def _recognise(path: Path, name: str) -> tuple[str, Reader]:
     most = MOST_OF_BLACKBOX if reader is _blackbox else MOST_BYTES
     if size > most:
         raise InputError(name, "", f"is larger than {most / 1e6:g} MB: cut out the flight")
-    if reader in {csv_table.read, _own} and _is_binary(head):
+    if reader in {csv_table.read, _own} and (_is_binary(head) or path.suffix.lower() in OTHERS):
         raise InputError(name, "", f"is no log that hotlap knows: {LISTED}")
     return kind, reader
 
@@ -113,6 +113,8 @@ SUFFIXES = {
     ".mcap": mcap_file.KIND,
     ".bag": rosbag_file.KIND,
 }
+
+OTHERS = frozenset({".toml", ".json", ".yaml", ".yml", ".xml", ".sdf", ".md", ".html", ".py"})  # text that is no table
 
 
 def _refusing(expected: str) -> Reader:
