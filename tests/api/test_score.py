@@ -67,6 +67,7 @@ def test_text_shows_flown_beside_simulated(capsys):
     assert "note: thrust command 1 is" in out
 
 
+@pytest.mark.check
 def test_a_page_is_one_file_with_its_pictures(there):
     result = score("flight.csv", race="circle-34", flights=2, out="page.html", align=True)
     html = (there / "page.html").read_text()
