@@ -69,7 +69,7 @@ def write_bag2(path: Path, flight: Flown) -> Path:
 
 def write_mcap(path: Path, flight: Flown) -> Path:
     store = _store(Stores.ROS2_HUMBLE)
-    with path.open("wb") as file, McapWriter(file) as bag:
+    with path.open("wb") as file, McapWriter(file, chunk_size=50_000) as bag:
         schemas = {topic: bag.register_msgdef(kind, store.generate_msgdef(kind, ros_version=2)[0]) for topic, kind in KINDS.items()}
         for topic, stamp, message in _messages(store, flight):
             bag.write_message(topic, schemas[topic], _plain(message), stamp, stamp)

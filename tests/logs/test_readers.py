@@ -90,10 +90,10 @@ def test_a_blackbox_that_ends_in_mid_flight_is_read_up_to_there(tmp_path):
 
 
 def test_an_mcap_that_was_never_closed_is_read_as_far_as_it_goes(tmp_path):
-    path = write_mcap(tmp_path / "a.mcap", make_flight(800))
+    path = write_mcap(tmp_path / "a.mcap", make_flight(400))
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     log = read(path)
-    assert 10 < len(log.signals["rates"].times) < 800
+    assert 10 < len(log.signals["rates"].times) < 400
     assert any("cut short" in note for note in log.notes)
 
 
