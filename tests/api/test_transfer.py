@@ -236,7 +236,7 @@ def test_the_command_prints_the_same(study, monkeypatch, capsys):
 
 
 def test_another_version_than_the_study_was_tuned_with_is_one_line(study, monkeypatch, capsys):
-    monkeypatch.setattr(worlds, "build", lambda name: Counted() if name == "plant" else worlds.BuiltIn())
+    monkeypatch.setattr(worlds, "build", lambda name, *_: Counted() if name == "plant" else worlds.BuiltIn())
     monkeypatch.setattr("hotlap.study.versions.versions_now", lambda: {"hotlap": "99.0"})
     assert main(["transfer", str(study), "--to", "plant"]) == 0
     (line,) = [line for line in capsys.readouterr().err.splitlines() if "when the study was tuned" in line]
