@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from exporters.studies import tune
 from flight.scenarios import make_race, make_scenario
@@ -59,6 +60,20 @@ def test_a_bag_brings_the_definition_of_every_message(bag):
     path = decoded["/reference"].poses
     assert path[0].header.frame_id == decoded["/odometry"].header.frame_id
     assert path[-1].pose.position.x != path[0].pose.position.x
+
+
+def test_the_definitions_are_those_of_ros_2(bag):
+    humble, brought = get_typestore(Stores.ROS2_HUMBLE), {}
+    with bag.open("rb") as file:
+        reader = make_reader(file)
+        for schema, _, message in reader.iter_messages():
+            brought |= get_types_from_msg(schema.data.decode(), schema.name)
+            if schema.name in humble.fielddefs:
+                read_back = humble.deserialize_cdr(message.data, schema.name)
+                assert read_back.header.frame_id == "map"
+    known = set(brought) & set(humble.fielddefs)
+    assert len(known) == len(FIELDS) - 1  # mavros_msgs is not part of ROS 2
+    assert all(brought[kind][1] == humble.fielddefs[kind][1] for kind in known)
 
 
 @pytest.mark.parametrize("kind", FIELDS)

@@ -58,7 +58,7 @@ def quadrotor_yaml(vehicle: Quadrotor, race: str, reference: str) -> str:
         "inertia": _list(vehicle.inertia),
         "motor_omega_min": number(math.sqrt(least / slope)),
         "motor_omega_max": number(fastest),
-        "motor_tau": number((up + down) / 2),
+        "motor_tau": number(round((up + down) / 2, 9)),
         "omega_max": _list(vehicle.rate_limit),
         "thrust_map": _list((slope, 0.0, 0.0)),
         "kappa": number(vehicle.torque_ratio),
