@@ -10,7 +10,7 @@ from importlib.util import find_spec
 import pytest
 
 from hotlap.analysis import resumable
-from hotlap.analysis.resumable import SOURCES, ResumableJobs, digest_code
+from hotlap.analysis.resumable import DECIDING, ResumableJobs, digest_code
 from test_floors import FLOOR_OF, FLOORS
 
 NO_MATTER = {"system", "files", "importers", "feasibility", "logs"}  # of a flight: what is read is part of the race, and of every key
@@ -81,6 +81,6 @@ def test_a_line_says_which_code_has_made_it(jobs):
 
 def test_the_code_of_a_result_is_that_of_all_packages_below_a_study_and_of_what_computes_it():
     below = {name for name, floor in FLOOR_OF.items() if floor < FLOOR_OF["study"]}
-    assert {source.removeprefix("hotlap.") for source in SOURCES} == below - NO_MATTER, FLOORS
-    assert all(find_spec(source) for source in SOURCES)
+    assert set(DECIDING) == below - NO_MATTER, FLOORS
+    assert all(find_spec(f"hotlap.{package}") for package in DECIDING)
     assert len({digest_code("hotlap.analysis.comparison"), digest_code("hotlap.analysis.learning"), digest_code(__name__)}) == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sqlite3
 from contextlib import closing
@@ -113,6 +114,52 @@ def test_a_path_that_is_too_long_leaves_nothing_behind(hotlap, here):
     for command in (("check", "x" * 600), ("check", f"{'x' * 600}.toml"), ("check", "straight.toml", "--reference", "x" * 600)):
         ran = hotlap(*command)
         assert (ran.code, len(ran.err.splitlines())) == (2, 1)
+
+
+TOO_LONG = "x" * 300  # of a name, which may have 255 bytes
+NAMED = (  # commands that are given a name
+    (*TUNE, "--out", TOO_LONG),
+    ("tune", "straight.toml", "--first-guess", f"{TOO_LONG}.toml"),
+    ("tune", "straight.toml", "--goal", "lap_time", "--out", TOO_LONG),
+    ("compare", "--races", "default", "--seeds", "1", "--out", TOO_LONG),
+    ("learn", "circle-34", "--out", TOO_LONG),
+    ("reproduce", "table1", "--out", TOO_LONG),
+    ("fly", "straight.toml", "--parameters", TOO_LONG),
+    ("fly", "straight.toml", "--parameters", f"{TOO_LONG}.toml"),
+    ("fly", "straight.toml", "--log", TOO_LONG),
+    ("fly", "straight.toml", "--reference", TOO_LONG),
+    ("plan", "straight.toml", "--out", TOO_LONG),
+    ("landscape", "straight.toml", "--out", f"{TOO_LONG}.png"),
+    ("new", "track", TOO_LONG),
+    ("import", TOO_LONG),
+    ("report", TOO_LONG),
+    ("watch", TOO_LONG, "--port", "0"),
+    ("export", TOO_LONG, "--format", "csv"),
+    ("transfer", TOO_LONG, "--to", "rotorpy"),
+)
+
+
+@pytest.mark.parametrize("command", NAMED, ids=lambda command: " ".join(command).replace(TOO_LONG, "LONG"))
+def test_a_name_that_no_file_can_have_is_one_line(hotlap, here, command):
+    ran = hotlap(*command)
+    assert (ran.code, ran.out) == (2, ""), ran
+    assert "File name too long" in ran.err.splitlines()[-1]
+    assert sorted(path.name for path in here.iterdir() if path.name != "cache") == ["straight.toml"]
+
+
+def test_a_folder_that_may_not_be_looked_into_is_one_line(hotlap, here, monkeypatch):
+    look = Path.stat
+
+    def refuse(path, **more):
+        if path.name == FILE:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return look(path, **more)
+
+    (here / "mine").mkdir()
+    monkeypatch.setattr(Path, "stat", refuse)
+    for command in ((*TUNE, "--out", "mine"), ("report", "mine"), ("fly", "straight.toml", "--parameters", "mine")):
+        ran = hotlap(*command)
+        assert (ran.code, ran.err.splitlines()[-1]) == (2, "hotlap: mine: cannot be used as the folder of a study: Permission denied")
 
 
 def test_numbers_beyond_all_bounds_are_refused_without_a_warning(hotlap, here):

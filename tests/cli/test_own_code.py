@@ -76,6 +76,16 @@ def test_the_folder_is_on_the_path_during_that_import_alone(here, monkeypatch):
     assert sys.path == path
 
 
+@pytest.mark.filterwarnings("ignore::hotlap.core.own_code.OwnCode")
+def test_what_a_module_does_to_the_path_itself_stays(here, monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    path = [*sys.path]
+    (here / "path_of_a_test.py").write_text("import os, sys\nsys.path.insert(0, '/a/library')\nsys.path.append(os.getcwd())\n")
+    import_own("path_of_a_test")
+    sys.modules.pop("path_of_a_test")
+    assert sys.path == ["/a/library", *path, str(here)]
+
+
 def test_what_is_installed_comes_first(here):
     (here / "rich.py").write_text("1 / 0")
     (here / "colorsys.py").write_text("1 / 0")

@@ -21,8 +21,8 @@ from fuzz.mutation import ODD_VALUES, damage, disturb
 from hotlap.analysis.comparison import Run, RunJournal
 from hotlap.core.errors import StudyError
 from hotlap.report.page.document import dump_study
-from hotlap.study.database import FILE
-from hotlap.study.formats import COLUMNS, seal
+from hotlap.study.database import APPLICATION, FILE
+from hotlap.study.formats import COLUMNS, TABLES_OF, seal
 from hotlap.study.glance import Follower, State
 from hotlap.study.snapshot import read_snapshot
 from hotlap.study.study import Study, count_flights
@@ -31,6 +31,7 @@ from hotlap.tuning.objective import Objective
 from studies import carry, configure
 
 Read = Callable[[], Any]
+LONG = 50_000_000  # rows of a view: more than a reader has time for
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,39 @@ def damaged_values(random: Random, folder: Path) -> Read:
         seal(lambda statement, values=(): connection.execute(statement, values).fetchall())
         connection.commit()
     return lambda: use(folder, _read, count_flights)
+
+
+def strange_tables(random: Random, folder: Path) -> Read:
+    """A file of any format with what a stranger may have put in the place of its tables, or beside them; none of it ever runs."""
+    (folder / FILE).unlink(missing_ok=True)
+    made = random.choice(tuple(TABLES_OF))
+    tables = dict(TABLES_OF[made])
+    odd = random.choice(tuple(tables))
+    names = COLUMNS[odd].split(", ")
+    endless = f"WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n LIMIT {LONG}) SELECT"  # noqa: S608
+    strange = {
+        f"CREATE VIEW {odd} AS {endless} {', '.join(f'i AS {name}' for name in names)} FROM n": True,
+        f"CREATE VIRTUAL TABLE {odd} USING fts5({', '.join(names)})": True,
+        f"CREATE TABLE {odd} ({', '.join(names)}, more AS (hex(zeroblob(100000000))))": True,
+        f"CREATE TABLE {odd} ({', '.join(names)}, CHECK (length(hex(zeroblob(100000000)))))": True,
+        f"CREATE TRIGGER t BEFORE {random.choice(('INSERT', 'UPDATE', 'DELETE'))} ON {odd} BEGIN {endless} count(*) FROM n; END": False,
+        f"CREATE INDEX t ON {odd} (hex(zeroblob(100000000)))": False,
+        f"CREATE VIEW t AS {endless} i FROM n": False,
+    }
+    statement, instead = random.choice(list(strange.items()))
+    if instead:
+        del tables[odd]
+    with closing(sqlite3.connect(folder / FILE)) as connection:
+        for wanted in (*tables.values(), statement):
+            connection.execute(wanted)
+        connection.execute(f"PRAGMA application_id = {APPLICATION}")
+        connection.execute(f"PRAGMA user_version = {made}")
+
+    def read() -> None:
+        use(folder, _read, count_flights, _continue)
+        raise AssertionError(f"is taken for a study: {statement}")
+
+    return read
 
 
 def _disturb_row(connection: sqlite3.Connection, random: Random) -> None:
@@ -222,6 +256,7 @@ RECORDS: dict[str, Record] = {
     for record in (
         Record("study.sqlite, bytes", damaged_bytes),
         Record("study.sqlite, values", damaged_values),
+        Record("study.sqlite, strange tables", strange_tables),
         Record("study, odd files", odd_files),
         Record("runs.jsonl", damaged_journal(RunJournal)),
         Record("lines.jsonl", damaged_journal(Journal)),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import resource
 import socket
 import threading
 from contextlib import ExitStack, contextmanager, suppress
 
 import pytest
 
+from hotlap.report.connections import most_at_once
 from hotlap.report.server import Server
 
 
@@ -52,6 +54,23 @@ def test_a_browser_that_leaves_before_it_has_the_page_is_no_error(capfd):
             pass
         assert get(server, "/data.json?flights=7") == 204
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("files", "most"), [(16, 8), (256, 128), (1024, 512), (1_048_576, 512), (resource.RLIM_INFINITY, 512), (0, 1), (1, 1)]
+)
+def test_connections_leave_half_of_the_files_that_a_process_may_open(monkeypatch, files, most):
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (files, files))
+    assert most_at_once() == most
+
+
+def test_browsers_that_ask_nothing_leave_room_for_one_that_does(monkeypatch):
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (16, 16))
+    with serving() as server, ExitStack() as idle:
+        for _ in range(20):
+            idle.enter_context(socket.create_connection(("127.0.0.1", server.server_port)))
+        assert get(server, "/data.json?flights=7") == 204
+        assert len(server._connections) <= 8
 
 
 @pytest.mark.parametrize("path", ["//[", "//[x]/", "http://[/", "http:///x"])

@@ -469,6 +469,25 @@ def test_what_is_no_study_is_refused_with_one_line(tmp_path, opener, harm, messa
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    "harm",
+    [
+        "UPDATE flight SET parameters = zeroblob(16 * :size) WHERE number = 3",
+        "UPDATE flight SET parameters = zeroblob(8 * :size * number) WHERE number IN (0, 2)",  # as many as before
+        "UPDATE flight SET parameters = zeroblob(0)",
+        "UPDATE flight SET parameters = 1.5 WHERE number = 3",
+    ],
+)
+def test_a_flight_whose_parameters_are_of_another_shape_is_damage(tmp_path, harm):
+    run(tmp_path, configure())
+    with Study.read(tmp_path) as study:
+        assert len(study.records()) > 3
+        size = study.values.size
+    wound(tmp_path, harm.replace(":size", str(size)))
+    with Study.read(tmp_path) as study, pytest.raises(StudyError, match="is damaged: its flights cannot be read back"):
+        study.records()
+
+
 def test_a_race_that_this_version_refuses_cannot_be_read(tmp_path):
     """Angles of gates were not looked at by earlier versions."""
     with Study.open(tmp_path, configure()):

@@ -7,12 +7,14 @@ import signal
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from hotlap.core.errors import HotlapError, InputError
+from hotlap.core.own_code import import_own
 from hotlap.system import cluster_worker, engine
-from hotlap.system.cluster_worker import digest_needed, do, fingerprint, installation, pack, unpack
+from hotlap.system.cluster_worker import do, fingerprint, installation, pack, unpack
 from hotlap.system.engine import check_jobs, is_one_of_many, opened
 from hotlap.system.process_pool import Processes
 from system.dask_cluster import DaskCluster, wait_until
@@ -29,6 +31,11 @@ def say_where(piece: tuple[str, float]):
     folder, seconds = piece
     (Path(folder) / f"{os.getpid()}-{time.monotonic_ns()}").touch()
     time.sleep(seconds)
+    yield os.getpid()
+
+
+def wait_for(file: str):
+    wait_until(Path(file).exists)
     yield os.getpid()
 
 
@@ -60,6 +67,10 @@ def on(cluster, work, pieces, notes=None):
         return list(engine.spread(work, pieces))
 
 
+def say_value(name: str):
+    yield import_own(name).VALUE
+
+
 @pytest.mark.check
 def test_a_cluster_gives_what_processes_of_this_machine_give(cluster):
     pieces, notes = list(range(30)), []
@@ -86,6 +97,20 @@ def test_an_error_of_a_piece_arrives_as_it_was_after_its_results(cluster):
 def test_the_file_of_a_scheduler_is_as_good_as_its_address(cluster):
     with opened(str(cluster.file)) as engine:
         assert engine.workers == 2
+
+
+def test_what_a_killed_worker_had_begun_is_done_by_one_that_joins(tmp_path):
+    with DaskCluster(tmp_path) as own:
+        own.add_worker()
+        own.wait_for(1)
+        with opened(own.address) as engine:
+            results = engine.spread(wait_for, [str(own.file), str(tmp_path / "killed")])
+            assert next(results) == (str(own.file), own.workers[0].pid)
+            own.workers[0].kill()
+            own.workers[0].wait()
+            own.add_worker()
+            (tmp_path / "killed").touch()
+            assert list(results) == [(str(tmp_path / "killed"), own.workers[1].pid)]
 
 
 @pytest.mark.check
@@ -163,6 +188,24 @@ def test_what_waits_on_the_cluster_is_cancelled_when_the_work_is_given_up(cluste
 
 
 @pytest.mark.check
+def test_a_module_of_the_folder_that_workers_were_started_in_is_found_and_after_a_change_they_are_to_be_restarted(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    module = tmp_path / "module_of_a_cluster.py"
+    module.write_text("VALUE = 3\n")
+    with DaskCluster(tmp_path) as own:
+        own.add_worker(environment={"PYTHONSAFEPATH": "1"})  # as the command dask does
+        own.wait_for(1)
+        with opened(own.address) as engine:
+            engine.require("module_of_a_cluster")
+            assert list(engine.spread(say_value, ["module_of_a_cluster"])) == [("module_of_a_cluster", 3)]
+        module.write_text("VALUE = 4\n")
+        with opened(own.address) as engine:
+            engine.require("module_of_a_cluster")
+            with pytest.raises(InputError, match="restart the workers"):
+                list(engine.spread(say_value, ["module_of_a_cluster"]))
+
+
+@pytest.mark.check
 def test_a_worker_with_several_threads_is_refused(tmp_path):
     with DaskCluster(tmp_path) as own:
         with pytest.raises(InputError, match=r"has no workers; start some: dask worker"), opened(own.address):
@@ -171,6 +214,25 @@ def test_a_worker_with_several_threads_is_refused(tmp_path):
         own.wait_for(1)
         with pytest.raises(InputError, match=r"has 2 threads, and should have one"), opened(own.address):
             pass
+
+
+def test_a_worker_with_several_threads_that_joins_late_does_nothing():
+    with distributed.Client(processes=False, n_workers=1, threads_per_worker=2, dashboard_address=":0", set_as_default=False) as client:
+        results, error = unpack(client.submit(do, pack(square, 3, ()), fingerprint()).result())
+    assert results == []
+    assert "has 2 threads, and should have one" in str(error)
+
+
+@pytest.mark.check
+def test_a_worker_with_several_threads_that_joins_later_is_refused_too(tmp_path):
+    with DaskCluster(tmp_path) as own:
+        own.add_worker()
+        own.wait_for(1)
+        with opened(own.address) as engine:
+            own.add_worker(threads=2)
+            own.wait_for(2)
+            with pytest.raises(InputError, match=r"has 2 threads, and should have one"):
+                list(engine.spread(say_where, [(str(tmp_path), 0.1)] * 30))
 
 
 def test_a_cluster_that_is_not_there_is_told_in_one_line(tmp_path, monkeypatch):
@@ -198,6 +260,14 @@ def test_a_worker_does_nothing_for_another_installation():
     assert unpack(do(pack(square, 3, ()), fingerprint())) == ([9, -3], None)
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_worker_does_nothing_on_more_than_one_thread(monkeypatch, threads):
+    monkeypatch.setattr(distributed, "get_worker", lambda: SimpleNamespace(state=SimpleNamespace(nthreads=threads)))
+    results, error = unpack(do(pack(square, 3, ()), fingerprint()))
+    assert results == ([9, -3] if threads == 1 else [])
+    assert error is None if threads == 1 else f"has {threads} threads, and should have one" in str(error)
+
+
 def test_a_fingerprint_knows_code_and_libraries_and_forgives_the_processor(monkeypatch):
     mine, before = installation(), fingerprint()
     monkeypatch.setattr(cluster_worker, "installation", lambda: {**mine, "processor": "another"})
@@ -206,17 +276,6 @@ def test_a_fingerprint_knows_code_and_libraries_and_forgives_the_processor(monke
         if what != "processor":
             monkeypatch.setattr(cluster_worker, "installation", lambda what=what: {**mine, what: "another"})
             assert fingerprint() != before
-
-
-def test_a_worker_does_nothing_with_other_files_than_ours(tmp_path):
-    file = tmp_path / "reference.csv"
-    file.write_text("1\n")
-    needed = ((str(file), digest_needed(str(file))),)
-    assert unpack(do(pack(square, 3, needed), fingerprint())) == ([9, -3], None)
-    _, error = unpack(do(pack(square, 3, ((str(file), "another"),)), fingerprint()))
-    assert "reference.csv differs from ours" in str(error)
-    _, error = unpack(do(pack(square, 3, ((str(tmp_path / "absent"), "another"),)), fingerprint()))
-    assert "absent is not there" in str(error)
 
 
 def test_what_cannot_be_sent_is_told_in_one_line():

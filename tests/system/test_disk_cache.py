@@ -1,13 +1,15 @@
 """Where results are kept, and fingerprints of code."""
 
 import os
+import warnings
 from pathlib import Path
 
 import pytest
 
 from hotlap.core.errors import InputError
-from hotlap.system import disk_cache
+from hotlap.system import disk_cache, sealed
 from hotlap.system.disk_cache import digest_sources, folder, source_files
+from hotlap.system.ownership import TEMPORARY
 from hotlap.system.sealed import CacheWarning
 
 
@@ -15,6 +17,7 @@ from hotlap.system.sealed import CacheWarning
 def bare(monkeypatch, tmp_path):
     """No folder of one's own, an empty home."""
     monkeypatch.delenv("HOTLAP_CACHE", raising=False)
+    monkeypatch.setenv(TEMPORARY, "")
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
 
@@ -38,42 +41,92 @@ def test_ones_own_folder_comes_first(monkeypatch, tmp_path):
 
 @pytest.fixture
 def temporary(monkeypatch, tmp_path):
-    """Where temporary folders are made; removed as at the end of the process."""
-    monkeypatch.setattr(disk_cache.tempfile, "tempdir", str(tmp_path))
-    monkeypatch.setenv("HOTLAP_CACHE", "")
+    """Where temporary folders are made, as /tmp; those of one process are removed as at its end."""
+    place = tmp_path / "tmp"
+    place.mkdir()
+    place.chmod(0o1777)
+    monkeypatch.setattr(disk_cache.tempfile, "tempdir", str(place))
     ends = []
     monkeypatch.setattr(disk_cache.atexit, "register", lambda *end: ends.append(end))
-    yield tmp_path
+    yield place
     for end, *arguments in ends:
         end(*arguments)
-    assert not list(tmp_path.glob("hotlap-*"))
+    assert {path.name for path in place.iterdir()} <= {LASTING}
+
+
+LASTING = f"hotlap-{os.getuid()}"
 
 
 def no_home():
     raise RuntimeError("no home")
 
 
-@pytest.mark.parametrize("home", [no_home, lambda: Path("relative")])
-def test_a_user_without_a_home_gets_a_temporary_folder_that_nobody_foresees(monkeypatch, temporary, home):
-    monkeypatch.setattr(Path, "home", home)
-    with pytest.warns(CacheWarning, match="has no home") as said:
-        found = folder("plans")
-    assert folder("plans") == found
+def found_with_a_warning(monkeypatch, reason="has no home"):
+    """The folder of a new process, and of those that it starts."""
+    monkeypatch.setenv(TEMPORARY, "")
+    with pytest.warns(CacheWarning, match=reason) as said:
+        found = folder("plans").parent
     assert len(said) == 1
-    assert found.parent.parent == temporary
-    assert found.parent.stat().st_mode & 0o777 == 0o700
-    assert os.environ["HOTLAP_CACHE"] == str(found.parent)  # processes that are started find it
-    monkeypatch.setenv("HOTLAP_CACHE", "")
-    with pytest.warns(CacheWarning):
-        assert folder("plans") != found
+    assert str(found) in str(said[0].message)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert folder("kernels", "1234") == found / "kernels" / "1234"
+        kept = folder("plans") / "kept"
+        assert sealed.write(kept, b"content")
+        assert sealed.read(kept) == b"content"
+    assert os.environ[TEMPORARY] == str(found)
+    assert "HOTLAP_CACHE" not in os.environ
+    assert found.stat().st_mode & 0o777 == 0o700
+    return found
+
+
+@pytest.mark.parametrize("home", [no_home, lambda: Path("relative")])
+def test_a_user_without_a_home_gets_the_same_temporary_folder_every_time(monkeypatch, temporary, home):
+    monkeypatch.setattr(Path, "home", home)
+    assert {found_with_a_warning(monkeypatch) for _ in range(2)} == {temporary / LASTING}
+
+
+def someone_may_write(place):
+    place.mkdir()
+    place.chmod(0o777)
+
+
+def someone_may_read(place):
+    place.mkdir()
+    place.chmod(0o755)
+
+
+def leads_elsewhere(place):
+    (place.parent / "elsewhere").mkdir(mode=0o700)
+    place.symlink_to(place.parent / "elsewhere")
+
+
+@pytest.mark.parametrize("plant", [someone_may_write, someone_may_read, leads_elsewhere, Path.touch])
+def test_one_that_is_not_ones_own_alone_is_not_used(monkeypatch, temporary, plant):
+    monkeypatch.setattr(Path, "home", no_home)
+    plant(temporary / LASTING)
+    found = {found_with_a_warning(monkeypatch) for _ in range(2)}
+    assert len(found) == 2
+    assert all(place.parent == temporary and place.name != LASTING for place in found)
+    for place in temporary.iterdir():
+        if place not in found and place.name != LASTING:
+            assert list(place.iterdir()) == []
+            place.rmdir()
+
+
+def test_a_temporary_folder_of_everybody_is_no_end(monkeypatch, temporary):
+    """Others could replace what lies there, so that nothing that can be foreseen is used."""
+    monkeypatch.setattr(Path, "home", no_home)
+    temporary.chmod(0o777)
+    assert len({found_with_a_warning(monkeypatch) for _ in range(2)}) == 2
+    assert not (temporary / LASTING).exists()
 
 
 @pytest.mark.parametrize("shared", [".cache", ".cache/hotlap", ".cache/hotlap/plans"])
-def test_the_usual_folder_is_not_used_where_others_may_write(tmp_path, temporary, shared):
+def test_the_usual_folder_is_not_used_where_others_may_write(monkeypatch, tmp_path, temporary, shared):
     (tmp_path / ".cache" / "hotlap" / "plans").mkdir(parents=True)
     (tmp_path / shared).chmod(0o777)
-    with pytest.warns(CacheWarning, match=f"others may write to {tmp_path / shared}, so"):
-        assert folder("plans").parent.parent == temporary
+    assert found_with_a_warning(monkeypatch, f"others may write to {tmp_path / shared}, so") == temporary / LASTING
 
 
 @pytest.mark.parametrize("shared", ["own", "own/plans"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import random
 import warnings
@@ -93,13 +94,45 @@ def test_a_file_that_others_may_write_to_is_not_read(path):
 
 
 def test_a_file_of_another_user_is_not_read(path, monkeypatch):
-    monkeypatch.setattr(ownership.os, "getuid", lambda: 54321)
+    monkeypatch.setattr(ownership, "_trusted", lambda: frozenset({54321}))
     assert "not yours alone" in rejected(path)
 
 
 def test_one_that_is_too_large_is_not_read_whole(path, monkeypatch):
     monkeypatch.setattr(sealed, "LARGEST", 100)
     assert "is damaged" in rejected(path)
+
+
+@pytest.mark.parametrize("fault", [errno.ESTALE, errno.EIO, errno.EMFILE, errno.ENOMEM, errno.EACCES])
+@pytest.mark.parametrize("step", ["open", "read"])
+def test_one_that_cannot_be_read_now_stays_and_nothing_is_said(path, monkeypatch, step, fault):
+    def fail(*_):
+        raise OSError(fault, os.strerror(fault))
+
+    with monkeypatch.context() as patched, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        patched.setattr(os, step, fail)
+        assert sealed.read(path) is None
+    assert sealed.read(path) == CONTENT
+
+
+def test_a_damaged_one_that_cannot_be_removed_is_no_end(path, monkeypatch):
+    def refuse(_path):
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    path.write_bytes(b"odd")
+    monkeypatch.setattr(sealed.Path, "unlink", refuse)
+    assert "is damaged" in rejected(path)
+
+
+def test_a_cache_that_is_only_read_is_read(path):
+    for place in (path, path.parent):
+        place.chmod(place.stat().st_mode & 0o555)
+    try:
+        assert sealed.read(path) == CONTENT
+        assert sealed.write(path.parent.parent / "kind", b"more") is False
+    finally:
+        path.parent.chmod(0o700)
 
 
 def test_a_folder_in_its_place_is_no_end(path):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
 from hotlap.core.errors import InputError
 from hotlap.system import text_files, whole_files
+from hotlap.system.journal import Journal
 from hotlap.system.text_files import create, replace
 from hotlap.system.whole_files import new_part, written_whole
 
@@ -88,6 +91,24 @@ def test_a_folder_that_cannot_be_synchronised_is_no_error(tmp_path, monkeypatch)
     monkeypatch.setattr(whole_files.os, "fsync", refuse)
     replace(tmp_path / "file", "text")
     assert (tmp_path / "file").read_text() == "text"
+
+
+def test_a_folder_in_which_one_may_write_and_not_look_is_no_error(tmp_path, monkeypatch):
+    """Of mode 0733, where what comes in is not shown to all."""
+    begin = os.open
+
+    def refuse(path, *arguments, **more):
+        if Path(path).is_dir():
+            raise PermissionError(errno.EACCES, "Permission denied")
+        return begin(path, *arguments, **more)
+
+    monkeypatch.setattr(whole_files.os, "open", refuse)
+    replace(tmp_path / "replaced", "text")
+    create(tmp_path / "created", "text")
+    with Journal.opened(tmp_path / "journal") as journal:
+        journal.add("key", 1)
+    assert Journal(tmp_path / "journal").done == {"key": 1}
+    assert {path.name for path in tmp_path.iterdir()} == {"replaced", "created", "journal"}
 
 
 def test_a_file_system_without_second_names_has_new_files_too(tmp_path, monkeypatch):

@@ -1,6 +1,6 @@
 """Resumable jobs: pieces of work spread over processes or a cluster, whose results are kept in a folder as soon as each is there.
 
-What is kept is not computed again, unless the source code that decides about it has changed since.
+What is kept is not computed again, unless the source code that decides about it, or its data, have changed since.
 """
 
 from __future__ import annotations
@@ -14,13 +14,12 @@ from typing import Any
 
 from hotlap.analysis.comparison import Cell, Run, RunJournal, fly_cells, missing
 from hotlap.core.shown import in_full
-from hotlap.system.disk_cache import digest_sources
 from hotlap.system.engine import Engine
 from hotlap.system.journal import Journal
+from hotlap.system.package_data import digest_packages
 from hotlap.system.process_pool import Processes
 
 DECIDING = ("core", "dynamics", "race", "reference", "reference_files", "flight", "planning", "worlds", "tuners", "tuning", "first_guess")
-SOURCES = tuple(f"hotlap.{name}" for name in DECIDING)
 """Packages that decide about a flight, and so about all that is computed from flights."""
 
 Progress = Callable[[str, int, int], AbstractContextManager[Callable[[str], None]]]
@@ -39,12 +38,12 @@ def describe_run(run: Run) -> str:
 
 
 def digest_code(source: str | Path) -> str:
-    """Sixteen hexadecimal digits that change with the source code that decides about a result.
+    """Sixteen hexadecimal digits that change with the source code that decides about a result, and with its data.
 
     Args:
-        source: dotted name or path of the module that computes it, beside `SOURCES`.
+        source: dotted name or path of the module that computes it, beside the packages that are `DECIDING`.
     """
-    return digest_sources(*SOURCES, source)
+    return digest_packages(DECIDING, source)
 
 
 @dataclass

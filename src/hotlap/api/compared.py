@@ -20,7 +20,7 @@ from hotlap.api.rates import Flown
 from hotlap.api.scenarios import load, make_ready, make_scenario
 from hotlap.api.wording import percent
 from hotlap.core.counts import count
-from hotlap.core.errors import HotlapError, InputError, StudyError, UnknownNameError
+from hotlap.core.errors import HotlapError, InputError, UnknownNameError
 from hotlap.core.shown import Listed
 from hotlap.files.descriptions import names
 from hotlap.files.kinds import Kind
@@ -30,6 +30,7 @@ from hotlap.race.hold import parse_hold
 from hotlap.race.race import Race
 from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.system.engine import check_jobs, opened
+from hotlap.system.regular_files import check_folder
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.loop import TuningSettings
@@ -125,8 +126,7 @@ def carry_out(asked: Asked) -> ComparisonResult:
     folder = Path(asked.out)
     with opened(asked.cluster, _processes(asked), asked.progress.note) as engine:
         cells = _cells(asked)
-        if folder.exists() and not folder.is_dir():
-            raise StudyError(str(folder), "", "is a file, not the folder of a comparison")
+        check_folder(folder, "the folder of a comparison")
         with asked.remarked("go on"):
             engine.require(*_needed(asked))
             jobs = ResumableJobs(folder, progress=asked.progress.pieces, note=asked.progress.note, engine=engine)

@@ -31,6 +31,7 @@ from hotlap.race.race import Race
 from hotlap.study.database import is_begun
 from hotlap.study.study import new_folder
 from hotlap.system.engine import opened
+from hotlap.system.regular_files import check_folder
 from hotlap.tuning.goal_forms import LAP_TIME
 from hotlap.tuning.loop import TuningSettings
 
@@ -129,8 +130,7 @@ def carry_out(asked: Asked, call: Callable[..., Any]) -> FastestResult | FrontRe
     settings = _settings(asked, call)
     tuner, race = tuners.build(asked.tuner).name, load(asked.race, asked.controller)
     folder = as_path(asked.out) or new_folder(race.name)
-    if folder.exists() and not folder.is_dir():
-        raise StudyError(str(folder), "", "is a file, not the folder of a study")
+    check_folder(folder, "the folder of a study")
     if is_begun(folder) or ((folder / RACE_FILE).exists() and load_race(folder / RACE_FILE).name != _name(race)):
         raise StudyError(str(folder), "", "holds another study; give another folder for this one")
     world = worlds.build(asked.on)

@@ -31,6 +31,7 @@ from hotlap.files.descriptions import load_parameters
 from hotlap.race.endings import in_words
 from hotlap.reference.scenario import Scenario
 from hotlap.system.engine import Engine
+from hotlap.system.regular_files import is_there
 from hotlap.system.text_files import replace
 from hotlap.tuning.goal import Goal
 from hotlap.tuning.objective import Objective
@@ -170,7 +171,7 @@ def _carry_out(asked: Asked, engine: Engine | None) -> FlightsResult:
     check_source(as_path(asked.reference))
     check_target(log)
     world, race = worlds.build(asked.on, asked.instances, engine), load(asked.race, asked.controller)
-    if isinstance(asked.parameters, str | Path) and Path(asked.parameters).is_file():
+    if isinstance(asked.parameters, str | Path) and is_there(Path(asked.parameters)) and Path(asked.parameters).is_file():
         load_parameters(asked.parameters)
     check_guess(str(asked.first_guess))
     race = planned_as(race, asked.first_guess if asked.parameters is None else asked.parameters) if asked.reference is None else race

@@ -58,14 +58,24 @@ def check_target(path: Path | None, suffixes: tuple[str, ...] = ()) -> None:
     """
     if path is None:
         return
-    if path.is_dir():
-        raise InputError(str(path), "", "is a folder, not a file to write")
-    if not path.parent.is_dir():
-        raise InputError(str(path), "", f"cannot be written: there is no folder {path.parent}")
-    if not os.access(path.parent, os.W_OK) and not (path.exists() and os.access(path, os.W_OK)):
-        raise InputError(str(path), "", "cannot be written: Permission denied")
+    try:
+        reason = _hindrance(path)
+    except (OSError, ValueError) as error:
+        reason = f"cannot be written: {cause_of(error)}"
+    if reason:
+        raise InputError(str(path), "", reason)
     if suffixes and path.suffix.lower() not in suffixes:
         raise InputError(str(path), "", f"must end with {', '.join(suffixes)}")
+
+
+def _hindrance(path: Path) -> str:
+    """What keeps a file from being written; "" where nothing is known to."""
+    if path.is_dir():
+        return "is a folder, not a file to write"
+    if not path.parent.is_dir():
+        return f"cannot be written: there is no folder {path.parent}"
+    allowed = os.access(path.parent, os.W_OK) or (path.exists() and os.access(path, os.W_OK))
+    return "" if allowed else "cannot be written: Permission denied"
 
 
 def check_source(path: Path | None) -> None:

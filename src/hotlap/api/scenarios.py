@@ -23,7 +23,7 @@ from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.study.database import is_begun
-from hotlap.system.regular_files import is_there
+from hotlap.system.regular_files import is_folder, is_there
 from hotlap.worlds.stepped import Stepped
 from hotlap.worlds.world import World
 
@@ -110,7 +110,7 @@ def read_parameters(path: Path, scenario: Scenario, progress: Progress) -> Param
     """
     _refuse_unfinished(path)
     saved = load_parameters(path)
-    values = parameters_for(scenario, saved, str(path / PARAMETERS_FILE if path.is_dir() else path))
+    values = parameters_for(scenario, saved, str(path / PARAMETERS_FILE if is_folder(path) else path))
     for difference in differences(scenario, saved):
         progress.note(f"note: {path}: {difference}")
     return values
@@ -165,6 +165,6 @@ def read_guess(text: str, scenario: Scenario, progress: Progress) -> Parameters:
 
 def _refuse_unfinished(path: Path) -> None:
     """A folder whose study has not ended holds no parameters yet."""
-    if path.is_dir() and is_begun(path) and not (path / PARAMETERS_FILE).exists():
+    if is_folder(path) and is_begun(path) and not (path / PARAMETERS_FILE).exists():
         reason = f"holds a study that has not ended, so no {PARAMETERS_FILE}; hotlap.tune(RACE, out={str(path)!r}) goes on with it"
         raise InputError(str(path), "", reason)

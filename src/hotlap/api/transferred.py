@@ -26,6 +26,7 @@ from hotlap.study.snapshot import ELSEWHERE, Snapshot, read_snapshot
 from hotlap.study.study import Study
 from hotlap.study.versions import describe_changes
 from hotlap.system.engine import Engine
+from hotlap.system.regular_files import check_folder
 from hotlap.system.text_files import replace
 from hotlap.worlds.world import World
 
@@ -113,8 +114,7 @@ def _carry_out(asked: Asked, engine: Engine | None) -> TransferResult:
     scenario, everywhere = configuration.scenario, _worlds(asked.to, configuration.world, engine)
     sets = {DEFAULT: first_guess(scenario, DEFAULT), TUNED: snapshot.best}
     journey = Journey(scenario, sets, everywhere, flight_seeds(asked.seed, Stream.DEMONSTRATION, 0, asked.flights))
-    if folder.exists() and not folder.is_dir():
-        raise StudyError(str(folder), "", "is a file, not a folder for flights")
+    check_folder(folder, "a folder for flights")
     with _about_to():
         opened = journey.open(folder)
     told = describe_changes(dict(snapshot.openings[-1][1]) if snapshot.openings else {}, [world.name for world in everywhere])

@@ -50,6 +50,7 @@ from hotlap.study.study import Study, new_folder
 from hotlap.study.tried_plan import TriedPlan, describe_choice
 from hotlap.system.engine import Engine
 from hotlap.system.journal import Journal
+from hotlap.system.regular_files import check_folder
 from hotlap.tuners import Tuner
 from hotlap.tuning.goal import Quantity, parse_goal
 from hotlap.tuning.loop import TuningSettings, scenario_for
@@ -382,9 +383,10 @@ def _settings(asked: Asked, world: World) -> TuningSettings:
 
 def _check_folder(folder: Path | None) -> None:
     """Refuse what can be no folder of this study."""
-    if folder is not None and folder.exists() and not folder.is_dir():
-        raise StudyError(str(folder), "", "is a file, not the folder of a study")
-    if folder is not None and any((folder / name).exists() for name in FASTEST):
+    if folder is None:
+        return
+    check_folder(folder, "the folder of a study")
+    if any((folder / name).exists() for name in FASTEST):
         raise StudyError(str(folder), "", "holds a search for the fastest plan, or other work than a study; give another folder")
 
 

@@ -14,13 +14,14 @@ from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
 from hotlap.core.counts import count
-from hotlap.core.errors import HotlapError, InputError, StudyError
+from hotlap.core.errors import HotlapError, InputError
 from hotlap.files.descriptions import load_race
 from hotlap.files.error_messages import check
 from hotlap.first_guess.training_set import TrainingSet, write_training_set
 from hotlap.race.controllers import TUNABLE, ControllerKind
 from hotlap.system.engine import check_jobs, opened
 from hotlap.system.journal import Journal
+from hotlap.system.regular_files import check_folder
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
@@ -31,8 +32,7 @@ def run(options: Namespace) -> int:
     """Tune what is not tuned yet, fly what is not flown yet, and write what is known."""
     folder: Path = options.out
     check_jobs(options.jobs, options.cluster)
-    if folder.exists() and not folder.is_dir():
-        raise StudyError(str(folder), "", "is a file, not the folder of what is learnt")
+    check_folder(folder, "the folder of what is learnt")
     asked = _lessons(options.races) if options.races else lessons()
     again = f"nothing is lost; go on with: {shlex.join(['hotlap', 'learn', *options.arguments])}"
     with opened(options.cluster, options.jobs, note) as engine, remark(again):

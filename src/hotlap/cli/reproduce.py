@@ -13,12 +13,12 @@ from hotlap.cli.flying import make_kind_ready
 from hotlap.cli.output import note, present
 from hotlap.cli.progress import follow_pieces
 from hotlap.cli.stopping import remark
-from hotlap.core.errors import StudyError
 from hotlap.race.controllers import ControllerKind
 from hotlap.report.article import Article, Heading, Paragraph
 from hotlap.reproduce.experiments import EXPERIMENTS, UnavailableError, perform
 from hotlap.system.engine import check_jobs, opened
 from hotlap.system.journal import Journal
+from hotlap.system.regular_files import check_folder
 from hotlap.system.text_files import replace
 from hotlap.worlds.built_in import BuiltIn
 
@@ -29,8 +29,7 @@ def run(options: Namespace) -> int:
     """Do what is missing of each experiment, and write its page."""
     check_jobs(options.jobs, options.cluster)
     folder: Path = options.out
-    if folder.exists() and not folder.is_dir():
-        raise StudyError(str(folder), "", "is a file, not a folder for pages")
+    check_folder(folder, "a folder for pages")
     pages = []
     again = f"nothing is lost; go on with: {shlex.join(['hotlap', 'reproduce', *options.arguments])}"
     with opened(options.cluster, options.jobs, note) as engine, remark(again):

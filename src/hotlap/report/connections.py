@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import resource
 import socket
 import time
 from collections.abc import Callable
 from contextlib import suppress
 from threading import Lock
+
+MOST = 512
+
+
+def most_at_once() -> int:
+    """How many connections a server may have open: half of the files that the system lets a process open, at most 512.
+
+    The other half is for studies, and for connections that are cut off and not yet closed. macOS lets a process open 256.
+    """
+    files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    return MOST if files == resource.RLIM_INFINITY else max(1, min(MOST, files // 2))
 
 
 class Connections:

@@ -16,12 +16,12 @@ from typing import Any, Protocol
 from urllib.parse import parse_qs, unquote, urlsplit
 
 from hotlap.core.errors import HotlapError, InputError
-from hotlap.report.connections import Connections
+from hotlap.report.connections import Connections, most_at_once
 
 LOCAL = ("localhost", "127.0.0.1", "[::1]")
 PATIENCE = 20.0  # s between two signs of life of a browser
 LONGEST = 60.0  # s until it must have its answer, however slow it is
-MOST = 512  # browsers at once
+WAITING = 512  # browsers that wait to be let in
 HTML, JSON, PLAIN = "text/html; charset=utf-8", "application/json; charset=utf-8", "text/plain; charset=utf-8"
 _SCRIPT = re.compile(r"<script(?![^>]*application/json)[^>]*>(.*?)</script>", re.DOTALL)
 _BELOW = re.compile(r"/study/(.+?)(/|/data\.json)")
@@ -59,11 +59,11 @@ class Server(ThreadingHTTPServer):
     """
 
     daemon_threads = True
-    request_queue_size = MOST
+    request_queue_size = WAITING
 
     def __init__(self, source: Source, host: str, port: int, below: Callable[[str], Source | None] = lambda _: None) -> None:
         self.source, self._host, self._below = source, host, below
-        self._connections = Connections(MOST, LONGEST)
+        self._connections = Connections(most_at_once(), LONGEST)
         self.address_family, place = _find(host, port)
         try:
             super().__init__(place, Answer)

@@ -40,13 +40,23 @@ def is_begun(folder: Path) -> bool:
     Raises:
         StudyError: what it holds cannot be read, or is no study.
     """
-    if not (folder / FILE).exists() or (folder / FILE).stat().st_size == 0:
+    try:
+        if (folder / FILE).stat().st_size == 0:
+            return False
+    except (FileNotFoundError, NotADirectoryError):
         return False
+    except (OSError, ValueError) as error:
+        raise _unusable(folder, error) from None
     database = Database(folder, owned=False)
     try:
         return not database.is_new()
     finally:
         database.close()
+
+
+def _unusable(folder: Path, error: Exception) -> StudyError:
+    """The error that says why a path is not that of a study."""
+    return StudyError(str(folder), "", f"cannot be used as the folder of a study: {cause_of(error)}")
 
 
 class Database:
@@ -71,6 +81,7 @@ class Database:
                 location = f"{(folder / FILE).absolute().as_uri()}?mode={mode}"
                 self._connection = sqlite3.connect(location, uri=True, isolation_level=None, timeout=30.0)
                 self._connection.execute("PRAGMA synchronous = EXTRA")  # FULL lets a power cut take the last transaction back
+                self._connection.execute("PRAGMA fullfsync = ON")  # as `drive.flush`; of macOS alone
                 self._connection.execute("PRAGMA trusted_schema = OFF")
         except BaseException:
             self._release()
@@ -94,9 +105,27 @@ class Database:
         Raises:
             StudyError: it is no study, damaged, or of a newer format.
         """
+        made = self.format()
+        if made == 0:
+            return True
+        if made < FORMAT and self._lock is None:
+            self._read_a_copy()
+            made = self.format()
+        if checked and self._pragma("quick_check") != "ok":
+            raise self.damaged("its pages do not fit together")
+        if made < FORMAT:
+            self._migrate(made)
+        return False
+
+    def format(self) -> int:
+        """Which format the file has, 0 where it is empty; nothing in it but its list of tables is looked at.
+
+        Raises:
+            StudyError: it is no study, of a newer format, or its tables are not those of its format.
+        """
         application, made = self._pragma("application_id"), self._pragma("user_version")
         if application == 0 and self._pragma("page_count") == 0:
-            return True
+            return 0
         if application != APPLICATION:
             raise StudyError(str(self.folder), "", f"{FILE} is a database, but no study")
         if made > FORMAT:
@@ -104,14 +133,10 @@ class Database:
             raise StudyError(str(self.folder), "", reason)
         if made < 1:
             raise self.damaged(f"there is no format {made}")
-        if checked and self._pragma("quick_check") != "ok":
-            raise self.damaged("its pages do not fit together")
-        if made < FORMAT:
-            self._migrate(made)
-        fault = formats.fault_of(self.execute)
+        fault = formats.fault_of(self.execute, made)
         if fault:
             raise self.damaged(fault)
-        return False
+        return made
 
     def create(self) -> None:
         """Make the tables of a new file; within a transaction."""
@@ -212,27 +237,33 @@ class Database:
     def _pragma(self, name: str) -> Any:
         return self.execute(f"PRAGMA {name}")[0][0]
 
+    def _read_a_copy(self) -> None:
+        """Go on with a copy in memory, which may be changed."""
+        copy = sqlite3.connect(":memory:", isolation_level=None)
+        copy.execute("PRAGMA trusted_schema = OFF")
+        with self.readable_errors(), closing(self._connection) as file:
+            file.backup(copy)
+        self._connection = copy
+
     def _migrate(self, made: int) -> None:
         """Turn an earlier format into the present one."""
-        if self._lock is None:
-            copy = sqlite3.connect(":memory:", isolation_level=None)
-            with self.readable_errors(), closing(self._connection) as file:
-                file.backup(copy)
-            self._connection = copy
         with self.decoding(f"format {made}"), self.transaction():
             formats.migrate(self.execute, made)
             self.execute(f"PRAGMA user_version = {FORMAT}")
 
     def _refuse_odd_files(self) -> None:
         """Refuse what SQLite cannot name, would wait for, or would write to as if it were a file."""
-        size = len(os.fsencode((self.folder / FILE).absolute()))
+        try:
+            size = len(os.fsencode((self.folder / FILE).absolute()))
+        except (OSError, ValueError) as error:  # a working folder that is gone, a name that the system cannot have
+            raise _unusable(self.folder, error) from None
         if size > LONGEST_PATH:
             raise StudyError(str(self.folder), "", f"its path is too long for SQLite: {size} bytes, of {LONGEST_PATH}")
         for path in (self.folder / f"{FILE}{ending}" for ending in BESIDE):
             try:
                 odd = oddity(path)
             except (OSError, ValueError) as error:
-                raise StudyError(str(self.folder), "", f"cannot be used as the folder of a study: {cause_of(error)}") from None
+                raise _unusable(self.folder, error) from None
             if odd:
                 raise StudyError(str(self.folder), "", f"{path.name} is damaged: it {odd.partition(':')[0]}")
 

@@ -13,6 +13,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from hotlap.core.printable import printable
 from hotlap.study.checksums import checksum
 from hotlap.study.increments import VALUE
 
@@ -33,6 +34,18 @@ COLUMNS: Mapping[str, str] = {
 }
 """Of each table, without the checksum over them."""
 CHAINED = ("opening", "increment")  # tables whose checksums go on from the row before
+_FIRST: Mapping[str, str] = {
+    "entry": "CREATE TABLE entry (key TEXT PRIMARY KEY, value) WITHOUT ROWID",
+    "opening": "CREATE TABLE opening (time TEXT, versions TEXT)",
+    "flight": TABLES["flight"].replace(" digest INTEGER,", ""),
+}
+TABLES_OF: Mapping[int, Mapping[str, str]] = {
+    1: _FIRST,
+    2: _FIRST,
+    3: {**_FIRST, "increment": "CREATE TABLE increment (change TEXT)"},
+    FORMAT: TABLES,
+}
+"""Of each format, as `sqlite_master` has them."""
 
 Execute = Callable[..., list[tuple[Any, ...]]]
 """Runs a statement with values; gives its rows."""
@@ -44,11 +57,27 @@ def create(execute: Execute) -> None:
         execute(statement)
 
 
-def fault_of(execute: Execute) -> str:
-    """What is wrong with the tables of a study of the present format; "" where nothing is."""
-    found = {name: _plain(sql) for _, name, sql in execute("SELECT type, name, sql FROM sqlite_master") if sql is not None}
-    odd = next((name for name in {**TABLES, **found} if found.get(name) != TABLES.get(name)), None)
-    return "" if odd is None else f"its table {odd} is not as it was made" if odd in TABLES else f"it has {odd}, which no study has"
+def fault_of(execute: Execute, made: int = FORMAT) -> str:
+    """What is wrong with the tables of a study; "" where nothing is.
+
+    To be asked before anything else: a view, a trigger, a check or a computed column that someone has put there runs when a table is read,
+    written or checked, and may never end.
+
+    Args:
+        execute: runs a statement.
+        made: the format, from 1 to `FORMAT`.
+    """
+    tables, seen = TABLES_OF[made], set[str]()
+    for kind, name, table, sql in execute("SELECT type, name, tbl_name, sql FROM sqlite_master"):
+        if kind == "index" and sql is None and table in tables:  # of its primary key
+            continue
+        if name not in tables:
+            return f"it has {printable(str(name))}, which no study has"
+        if name in seen or (kind, table, _plain(str(sql))) != ("table", name, tables[name]):
+            return f"its table {name} is not as it was made"
+        seen.add(name)
+    lost = next((name for name in tables if name not in seen), None)
+    return "" if lost is None else f"its table {lost} is not as it was made"
 
 
 def migrate(execute: Execute, made: int) -> None:
@@ -78,7 +107,7 @@ def _tell_more_apart(_: Execute) -> None:
 
 def _keep_increments(execute: Execute) -> None:
     """From 2 to 3."""
-    execute("CREATE TABLE increment (change TEXT)")
+    execute(TABLES_OF[3]["increment"])
     for (state,) in execute("SELECT value FROM entry WHERE key = 'state'"):
         execute("INSERT INTO increment VALUES (?)", (json.dumps({VALUE: json.loads(state)}),))
     execute("DELETE FROM entry WHERE key = 'state'")

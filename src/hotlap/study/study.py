@@ -7,6 +7,7 @@ best candidate) are written in one transaction: after a kill or a power cut the 
 from __future__ import annotations
 
 import json
+import math
 import re
 import sqlite3
 import time
@@ -264,13 +265,20 @@ class Study(Framed):
             return self._as_ledger(rows)
 
     def _as_ledger(self, rows: Sequence[tuple[Any, ...]]) -> Ledger:
-        """Flights as they are recorded."""
+        """Flights as they are recorded.
+
+        Raises:
+            ValueError: the parameters of one are more or fewer than others'.
+        """
         streams, numbers, seeds, parameters, *floats, accepted = zip(*rows, strict=True) if rows else [()] * 11
         cost, completion, failed_segment, mean_error, max_error, lap_time = floats
+        shape = self.configuration.first_guess.shape
+        if any(len(values) != 8 * math.prod(shape) for values in parameters):
+            raise ValueError("a flight has parameters of another shape")
         return Ledger(
             numbers=np.array(numbers, dtype=np.int64),
             streams=np.array([Stream[name] for name in streams], dtype=np.int64),
-            parameters=np.frombuffer(b"".join(parameters), dtype="<f8").reshape(-1, *self.configuration.first_guess.shape),
+            parameters=np.frombuffer(b"".join(parameters), dtype="<f8").reshape(-1, *shape),
             seeds=np.array(seeds, dtype=np.int64),
             cost=np.array(cost, dtype=np.float64),  # SQLite keeps NaN as NULL; it comes back as None and so as NaN
             completion=np.array(completion, dtype=np.float64),
@@ -490,7 +498,7 @@ def count_flights(folder: str | Path) -> int:
     """
     database = Database(Path(folder), owned=False)
     try:
-        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0])
+        return int(database.execute("SELECT COUNT(*) FROM flight")[0][0]) if database.format() else 0
     finally:
         database.close()
 

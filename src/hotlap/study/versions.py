@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, version
 
 from hotlap.core.version import __version__
-from hotlap.system.disk_cache import digest_sources
+from hotlap.system.package_data import digest_packages
 
 LIBRARIES = ("numpy", "numba", "casadi")
 DECIDING = ("core", "dynamics", "race", "reference", "flight", "worlds", "tuners", "tuning")  # packages that decide about a flight
@@ -27,8 +27,8 @@ def versions_now() -> dict[str, str]:
 
 
 def digest_of_flights() -> str:
-    """Sixteen hexadecimal digits that change with the source code that decides about flights along a given reference, and about tuners."""
-    return digest_sources(*(f"hotlap.{name}" for name in DECIDING))
+    """Sixteen hexadecimal digits that change with the code and data that decide about flights along a given reference, and about tuners."""
+    return digest_packages(DECIDING)
 
 
 def describe_changes(before: Mapping[str, str], worlds: Iterable[str]) -> str:

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from hotlap.core.counts import count
 from hotlap.core.errors import HotlapError, InputError
 from hotlap.system import cluster_worker
-from hotlap.system.cluster_worker import PROCESSOR, Needed, digest_needed, installation
+from hotlap.system.cluster_worker import PROCESSOR, installation, told_of_threads
+from hotlap.system.needed import Needed, digest_needed
 
 if TYPE_CHECKING:
     from distributed import Client, Future, as_completed
@@ -235,7 +236,7 @@ def _check_workers(client: Client, address: str, note: Callable[[str], None]) ->
         raise InputError("", "cluster", f"the scheduler at {address} has no workers; start some: {start}")
     for worker, number in sorted(threads.items()):
         if number != 1:
-            raise InputError("", "cluster", f"worker {worker} has {number} threads, and should have one: --nworkers N --nthreads 1")
+            raise InputError("", "cluster", told_of_threads(worker, number))
     versions: Any = client.get_versions()
     ours = _python(versions["client"])
     for where, theirs in (("the scheduler", versions["scheduler"]), *((f"worker {one}", had) for one, had in versions["workers"].items())):

@@ -9,8 +9,6 @@ import sys
 from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -19,14 +17,15 @@ from hotlap.core.errors import HotlapError, InputError
 from hotlap.core.version import __version__
 from hotlap.system.disk_cache import digest_sources
 from hotlap.system.engine import WORKING
+from hotlap.system.needed import Needed, check_needed
+from hotlap.system.package_data import digest_data
 from hotlap.system.process_pool import portable
 
 LIBRARIES = ("numpy", "scipy", "numba", "llvmlite", "casadi", "scikit-learn", "cmaes", "pydantic")
 """Packages whose version may decide about a digit of a result, or about what can be sent."""
+WITH_DATA = ("data", "worlds")
+"""Folders of hotlap with files besides Python that decide about a result; those of `report` draw pages, on the machine that asks."""
 PROCESSOR = "processor"
-
-Needed = tuple[tuple[str, str], ...]
-"""(file or module, digest of its content) of what work reads on the machine where it is done."""
 
 
 @cache
@@ -40,6 +39,7 @@ def installation() -> dict[str, str]:
         "hotlap": __version__,
         **{name: _version(name) for name in LIBRARIES},
         "hotlap's code": digest_sources("hotlap"),
+        "hotlap's data": digest_data(*WITH_DATA),
         PROCESSOR: _processor(),
     }
 
@@ -69,41 +69,12 @@ def _processor() -> str:
     )
 
 
-def digest_needed(what: str) -> str:
-    """Sixteen hexadecimal digits of a file, or of the source of a module; "" where there is none.
-
-    Args:
-        what: a path, or the dotted name of a module, which is not imported.
-    """
-    path = Path(what)
-    try:
-        if path.is_file():
-            return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-        return digest_sources(what) if find_spec(what) is not None else ""
-    except (OSError, ImportError, ValueError):
-        return ""
-
-
-@cache
-def _check_needed(needed: Needed) -> None:
-    """Refuse work that reads something else here than where it was asked for.
-
-    Raises:
-        InputError: a file or module is not here, or is another one.
-    """
-    for what, digest in needed:
-        here = digest_needed(what)
-        if here != digest:
-            reason = "differs from ours" if here else "is not there"
-            raise InputError("", "cluster", f"{what} {reason} on {platform.node()}; install or copy it to every worker")
-
-
 def do(task: bytes, expected: str) -> bytes:
-    """Do a piece of work on a worker.
+    """Do a piece of work on a worker, which may have joined after all others were looked at.
 
     Args:
         task: what `pack` gives.
-        expected: the fingerprint of whoever asks; a worker may have joined after all others were looked at.
+        expected: the fingerprint of whoever asks.
 
     Returns:
         Pickled (results, None), or with the error that came after them.
@@ -111,11 +82,13 @@ def do(task: bytes, expected: str) -> bytes:
     if fingerprint() != expected:
         reason = f"worker on {platform.node()} has another installation of hotlap, Python or a library than this one"
         return pickle.dumps(([], InputError("", "cluster", reason)))
+    if (threads := _threads()) != 1:
+        return pickle.dumps(([], InputError("", "cluster", told_of_threads(f"on {platform.node()}", threads))))
     results: list[Any] = []
     token = WORKING.set(True)
     try:
         work, piece, needed = pickle.loads(task)  # noqa: S301  from the user's own program, over the user's own cluster
-        _check_needed(needed)
+        check_needed(needed)
         with threadpool_limits(limits=1):
             results.extend(work(piece))
         return pickle.dumps((results, None))
@@ -123,6 +96,21 @@ def do(task: bytes, expected: str) -> bytes:
         return pickle.dumps((results, portable(error)))
     finally:
         WORKING.reset(token)
+
+
+def told_of_threads(worker: str, threads: int) -> str:
+    """Why a worker is refused that does several pieces of work at a time."""
+    return f"worker {worker} has {threads} threads, and should have one: --nworkers N --nthreads 1"
+
+
+def _threads() -> int:
+    """How many pieces of work the worker that this is done on does at a time; 1 where it is done on none."""
+    try:
+        from distributed import get_worker  # noqa: PLC0415  an extra
+
+        return get_worker().state.nthreads
+    except (ImportError, ValueError):
+        return 1
 
 
 def unpack(answer: bytes) -> tuple[list[Any], Exception | None]:

@@ -11,13 +11,14 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
 from hotlap.core.errors import InputError
 from hotlap.system import sealed
-from hotlap.system.ownership import doubt
+from hotlap.system.ownership import TEMPORARY, doubt, is_private, make_private, temporary
 from hotlap.system.sealed import CacheWarning
 
 
@@ -25,7 +26,8 @@ def folder(name: str, *below: str) -> Path:
     """Where results of a kind are kept: $HOTLAP_CACHE, else hotlap in $XDG_CACHE_HOME or ~/.cache; need not exist yet.
 
     Compiled code is loaded from there, so a folder that others own, may write to or may replace is not used: `system/ownership.py`. In
-    place of the usual one a temporary one is taken, which goes with the process; those that it starts find it in $HOTLAP_CACHE.
+    place of the usual one hotlap-UID in the folder of temporary files is taken; where that is no better a new one, which goes with the
+    process. Processes that are started find it in the environment.
 
     Args:
         name: the kind, for example "plans".
@@ -44,12 +46,11 @@ def folder(name: str, *below: str) -> Path:
         if reason:
             raise InputError("HOTLAP_CACHE", "", f"{reason}, so nothing is read from it: name a folder that is yours alone (chmod 700)")
         return place
-    usual = _usual()
-    if usual is None:
-        return _temporary("this user has no home").joinpath(name, *below)
-    place = usual.joinpath(name, *below)
-    reason = doubt(place)
-    return _temporary(reason).joinpath(name, *below) if reason else place
+    instead, usual = temporary(), _usual()
+    if instead is None:
+        reason = "this user has no home" if usual is None else doubt(usual.joinpath(name, *below))
+        instead = _instead(reason) if reason else usual
+    return instead.joinpath(name, *below)  # pyright: ignore[reportOptionalMemberAccess]  one of them is there
 
 
 def _usual() -> Path | None:
@@ -64,14 +65,26 @@ def _usual() -> Path | None:
     return home / ".cache" / "hotlap" if home.is_absolute() else None
 
 
-def _temporary(reason: str) -> Path:
-    """A new folder for this process and those that it starts."""
-    place = Path(tempfile.mkdtemp(prefix="hotlap-"))
-    os.environ["HOTLAP_CACHE"] = str(place)
-    atexit.register(_remove, place, os.getpid())
-    message = f"{reason}, so what is computed is kept in a temporary folder; HOTLAP_CACHE=FOLDER names another one"
-    warnings.warn(message, CacheWarning, stacklevel=3)
+def _instead(reason: str) -> Path:
+    """A folder for this process and those that it starts, in place of the usual one; says why."""
+    place = _lasting()
+    if place is None:
+        place = Path(tempfile.mkdtemp(prefix="hotlap-")).absolute()
+        atexit.register(_remove, place, os.getpid())
+    os.environ[TEMPORARY] = str(place)
+    warnings.warn(f"{reason}, so what is computed is kept in {place}; HOTLAP_CACHE=FOLDER names another one", CacheWarning, stacklevel=3)
     return place
+
+
+def _lasting() -> Path | None:
+    """One's own folder among the temporary ones, the same for every process; None where it is, or could become, somebody else's."""
+    place = Path(tempfile.gettempdir()).absolute() / f"hotlap-{os.getuid()}"
+    with suppress(OSError):
+        if doubt(place):
+            return None
+        make_private(place)
+        return place if is_private(place) else None
+    return None
 
 
 def _remove(place: Path, maker: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 from contextlib import suppress
@@ -11,6 +12,7 @@ from hotlap.core.errors import StudyError
 from hotlap.system.text_files import cause_of
 
 LOCK = "study.lock"
+NO_LOCKS = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOTSUP, errno.EINVAL})  # as Lustre or NFS may be mounted
 
 
 def hold(folder: Path) -> int:
@@ -20,7 +22,7 @@ def hold(folder: Path) -> int:
         The descriptor to close.
 
     Raises:
-        StudyError: it cannot be made, or another process holds it.
+        StudyError: it cannot be made or locked, or another process holds it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -29,10 +31,15 @@ def hold(folder: Path) -> int:
         raise StudyError(str(folder), "", f"cannot be used as the folder of a study: {cause_of(error)}") from None
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+    except BlockingIOError:
         holder = _holder(lock)
         os.close(lock)
-        raise StudyError(str(folder), "", f"process {holder} is working on this study; wait for it, or give another folder") from None
+        who = f"process {holder}" if holder else "another process"
+        raise StudyError(str(folder), "", f"{who} is working on this study; wait for it, or give another folder") from None
+    except OSError as error:
+        os.close(lock)
+        why = "its file system has no locks, which keep two processes apart" if error.errno in NO_LOCKS else "it cannot be locked"
+        raise StudyError(str(folder), "", f"{why} ({cause_of(error)}); give a folder on another disk") from None
     with suppress(OSError):  # a courtesy to whoever is refused
         os.ftruncate(lock, 0)
         os.pwrite(lock, f"{os.getpid()}\n".encode(), 0)

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from hotlap.core.errors import InputError, StorageError, StudyError
+from hotlap.system.drive import flush
 from hotlap.system.folder_lock import hold
 from hotlap.system.regular_files import MISSING, read_bytes
 from hotlap.system.whole_files import STORAGE, sync, written_whole
@@ -89,7 +90,7 @@ class Journal:
             with self.path.open("ab") as file:
                 file.write(line)
                 file.flush()
-                os.fsync(file.fileno())
+                flush(file.fileno())
             if new:
                 sync(self.path.parent)
         except OSError as error:

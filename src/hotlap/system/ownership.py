@@ -1,4 +1,4 @@
-"""Ownership: whether a folder is one's own alone, so that what lies in it can be trusted.
+"""Ownership: whether only oneself can write to a folder, so that what lies in it can be trusted.
 
 Trusted are oneself, root, and whoever owns the root of the file system. Others may be able to read, never to write: neither the folder
 nor one above it, since a folder can be replaced from above. Folders of the sticky kind, as /tmp, let everybody replace his own alone.
@@ -6,6 +6,7 @@ nor one above it, since a folder can be replaced from above. Folders of the stic
 
 from __future__ import annotations
 
+import errno
 import grp
 import os
 import pwd
@@ -15,13 +16,14 @@ from functools import cache
 from pathlib import Path
 
 MOST_LINKS = 40  # symbolic links in a path, as Linux has it
+TEMPORARY = "HOTLAP_TEMPORARY_CACHE"  # environment variable: a folder that a process has made for itself and those that it starts
 
 
 def make_private(folder: Path) -> None:
     """Make a folder, and those above it that are missing, for oneself alone, whatever the umask.
 
     Raises:
-        OSError: it cannot be made.
+        OSError: it cannot be made, or cannot be trusted, as somebody else may have been faster.
     """
     missing = [folder] if not folder.is_dir() else []
     while missing and not missing[-1].parent.is_dir():
@@ -34,6 +36,26 @@ def make_private(folder: Path) -> None:
                 raise
         else:
             place.chmod(0o700)  # an umask may have taken more away than others' rights
+    reason = doubt(folder.absolute())
+    if reason:
+        raise PermissionError(errno.EACCES, reason, str(folder))
+
+
+def temporary() -> Path | None:
+    """The folder that this process, or the one that has started it, has made in place of one that it does not trust.
+
+    What is above it does not count: nobody else has such a folder, and every file of it is looked at when it is opened.
+    """
+    place = Path(os.environ.get(TEMPORARY, ""))
+    return place if place.is_absolute() and is_private(place) else None
+
+
+def is_private(folder: Path) -> bool:
+    """Whether a path is that of a folder, not of a link to one, that is one's own and open to nobody else."""
+    with suppress(OSError):
+        status = folder.lstat()
+        return stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) == 0o700
+    return False
 
 
 def doubt(folder: Path) -> str:
@@ -51,7 +73,9 @@ def doubt(folder: Path) -> str:
 
 def _doubt(folder: Path) -> str:
     """As `doubt`, a step at a time from the root on."""
-    place, rest, links = Path(folder.anchor), list(reversed(folder.parts[1:])), 0
+    top = temporary()
+    place = top if top is not None and folder.is_relative_to(top) else Path(folder.anchor)
+    rest, links = list(reversed(folder.relative_to(place).parts)), 0
     while rest:
         status = place.lstat()
         if _others_write(status) and not status.st_mode & stat.S_ISVTX:
@@ -71,14 +95,14 @@ def _doubt(folder: Path) -> str:
         place = Path(target.anchor) if target.is_absolute() else place
         rest.extend(reversed(target.parts[1:] if target.is_absolute() else target.parts))
     status = place.lstat()
-    if status.st_uid != os.getuid():
+    if status.st_uid not in _trusted():
         return f"{place} belongs to {_name(status.st_uid)}"
     return f"others may write to {place}" if _others_write(status) else ""
 
 
-def is_private(status: os.stat_result) -> bool:
-    """Whether an open file is an ordinary one, one's own, and nobody else may write to it."""
-    return stat.S_ISREG(status.st_mode) and status.st_uid == os.getuid() and not _others_write(status)
+def is_trusted(status: os.stat_result) -> bool:
+    """Whether an open file is an ordinary one of somebody trusted, and nobody else may write to it."""
+    return stat.S_ISREG(status.st_mode) and status.st_uid in _trusted() and not _others_write(status)
 
 
 def _others_write(status: os.stat_result) -> bool:

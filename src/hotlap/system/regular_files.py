@@ -7,10 +7,11 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from hotlap.core.errors import InputError
+from hotlap.core.errors import InputError, StudyError
 from hotlap.system.text_files import cause_of
 
 MISSING = "there is no such file"
+PART = 1 << 20  # bytes that are read at a time
 _KINDS: tuple[tuple[Callable[[int], bool], str], ...] = (
     (stat.S_ISDIR, "is a folder, not a file"),
     (stat.S_ISFIFO, "is a pipe, not a file: write what comes out of it into a file, and give that"),
@@ -41,6 +42,29 @@ def is_there(path: Path) -> bool:
         return False
 
 
+def is_folder(path: Path) -> bool:
+    """Whether a folder has this path; false likewise."""
+    return is_there(path) and path.is_dir()
+
+
+def check_folder(folder: Path, meant: str) -> None:
+    """Refuse a path that neither is that of a folder, nor can become one.
+
+    Args:
+        folder: the path.
+        meant: what it is given for, as "the folder of a study".
+
+    Raises:
+        StudyError: with the path and the reason.
+    """
+    try:
+        taken = folder.exists() and not folder.is_dir()
+    except (OSError, ValueError) as error:
+        raise StudyError(str(folder), "", f"cannot be used as {meant}: {cause_of(error)}") from None
+    if taken:
+        raise StudyError(str(folder), "", f"is a file, not {meant}")
+
+
 def read_bytes(path: str | Path, most: int, meant: str = "this is not a description", label: str = "") -> bytes:
     """What stands in a regular file.
 
@@ -66,8 +90,7 @@ def read_bytes(path: str | Path, most: int, meant: str = "this is not a descript
         odd = _oddity(os.fstat(handle).st_mode)
         if odd:
             raise InputError(label, "", odd)
-        with os.fdopen(handle, "rb", closefd=False) as file:
-            content = file.read(most + 1)
+        content = read_at_most(handle, most)
     except OSError as error:
         raise InputError(label, "", f"cannot be read: {cause_of(error)}") from None
     finally:
@@ -75,6 +98,19 @@ def read_bytes(path: str | Path, most: int, meant: str = "this is not a descript
     if len(content) > most:
         raise InputError(label, "", f"is larger than {most / 1e6:g} MB: {meant}")
     return content
+
+
+def read_at_most(handle: int, most: int) -> bytes:
+    """What stands in an open file; more than `most` bytes where it is larger. Takes no more memory than there is to read.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    parts, size = list[bytes](), 0
+    while size <= most and (part := os.read(handle, PART)):
+        parts.append(part)
+        size += len(part)
+    return b"".join(parts)
 
 
 def read_text(path: str | Path, most: int, meant: str = "this is not a description", label: str = "") -> str:

@@ -1,19 +1,22 @@
 """Sealed files: what is kept between runs, read only as it was written.
 
 A digest of the content and of the file's name stands at its end: a file that is damaged, or that lies in another's place, is not read but
-made anew, and one line says so. Links are not followed, and only ordinary files of one's own that nobody else may write to are read.
+made anew, and one line says so. Links are not followed, and only ordinary files that nobody else may write to are read, of one's own or of
+root. A file that cannot be opened or read at the moment counts as none, and stays.
 The digest guards against accidents, and the folder (`system/ownership.py`) against others; neither guards against its owner.
 """
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import warnings
 from contextlib import suppress
 from pathlib import Path
 
-from hotlap.system.ownership import is_private, make_private
+from hotlap.system.ownership import is_trusted, make_private
+from hotlap.system.regular_files import read_at_most
 from hotlap.system.whole_files import new_part, remove_abandoned
 
 MARK, DIGEST = b"hotlap1\n", 32  # what a seal begins with, behind the content; bytes of the digest
@@ -31,32 +34,25 @@ def read(path: Path) -> bytes | None:
     """What was kept in a file, None where there is none; one that cannot be trusted is removed, and a warning says so, once."""
     try:
         descriptor = os.open(path, LOOK)
-    except (FileNotFoundError, NotADirectoryError, PermissionError):
-        return None
-    except OSError:  # a link
-        reject(path, "is no ordinary file")
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            reject(path, "is no ordinary file")
         return None
     try:
-        private = is_private(os.fstat(descriptor))
-        whole = _read_all(descriptor) if private else b""
+        trusted = is_trusted(os.fstat(descriptor))
+        whole = read_at_most(descriptor, LARGEST) if trusted else b""
+    except OSError:
+        return None
     finally:
         os.close(descriptor)
     content = whole[:-SEAL]
-    if not private:
+    if not trusted:
         reject(path, "is not yours alone")
-    elif whole[-SEAL:] != _seal(path, content):
+    elif len(whole) > LARGEST or whole[-SEAL:] != _seal(path, content):
         reject(path, "is damaged")
     else:
         return content
     return None
-
-
-def _read_all(descriptor: int) -> bytes:
-    """The content of an open file; nothing of one that cannot be read, or is too large to be one of ours."""
-    with suppress(OSError), os.fdopen(descriptor, "rb", closefd=False) as file:
-        whole = file.read(LARGEST + 1)
-        return whole if len(whole) <= LARGEST else b""
-    return b""
 
 
 def write(path: Path, content: bytes) -> bool:
@@ -82,10 +78,13 @@ def write(path: Path, content: bytes) -> bool:
 
 def reject(path: Path, why: str) -> None:
     """Remove a file that cannot be used; of several processes that find it, the one that removes it says so."""
-    with suppress(FileNotFoundError):
-        with suppress(PermissionError, IsADirectoryError):
-            path.unlink()
-        warnings.warn(f"{path}: {why}, so it is made anew", CacheWarning, stacklevel=3)
+    try:
+        path.unlink()
+    except FileNotFoundError:
+        return
+    except OSError:  # a folder, or one that is only read
+        pass
+    warnings.warn(f"{path}: {why}, so it is made anew", CacheWarning, stacklevel=3)
 
 
 def _seal(path: Path, content: bytes) -> bytes:

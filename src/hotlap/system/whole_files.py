@@ -15,6 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from hotlap.core.errors import InputError, StorageError
+from hotlap.system.drive import flush
 
 STORAGE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EFBIG})  # what the disk does, whatever was asked for
 BEGINNING, ENDING = ".hotlap-", ".part"
@@ -63,15 +64,16 @@ def new_part(folder: Path, mode: int = 0o666) -> Path:
 
 
 def sync(path: Path) -> None:
-    """Have a file or a folder written to the disk; a file system that cannot do that for folders is no error."""
-    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    """Have a file or a folder written to the disk; a folder for which that cannot be done, or that cannot be read, is no error."""
     try:
-        os.fsync(descriptor)
+        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            flush(descriptor)
+        finally:
+            os.close(descriptor)
     except OSError:
         if not path.is_dir():
             raise
-    finally:
-        os.close(descriptor)
 
 
 def not_written(path: str | Path, error: Exception) -> InputError:
