@@ -18,7 +18,7 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
     {"reference_files"},
     {"planning", "feasibility", "worlds", "tuners", "logs"},
     {"tuning", "first_guess", "importers", "identification"},
-    {"study", "optuna"},
+    {"study", "optuna", "gym"},
     {"analysis", "exporters"},
     {"report"},
     {"reproduce", "api"},

@@ -8,8 +8,8 @@ the result, and writes a page about it:
     tuned = hotlap.tune("circle-34", out="runs/mine")
     tuned.confirmed, tuned.validation, tuned.values, tuned.report
 
-`hotlap.check`, `identify`, `plan`, `fly`, `transfer`, `compare` and `export` do likewise. The pieces of which they are made are
-reached by package:
+`hotlap.check`, `identify`, `plan`, `fly`, `score`, `transfer`, `compare` and `export` do likewise. The pieces of which they are
+made are reached by package:
 
     from hotlap import tuners
     from hotlap.planning.preparation import prepare
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from hotlap.api.flying import fly
     from hotlap.api.identifying import identify
     from hotlap.api.planning import plan
+    from hotlap.api.scoring import score
     from hotlap.api.transferring import transfer
     from hotlap.api.tuning import tune
     from hotlap.core.errors import HotlapError, InputError, PlanningError
@@ -62,6 +63,7 @@ __all__ = [
     "load_parameters",
     "load_race",
     "plan",
+    "score",
     "transfer",
     "tune",
 ]
@@ -73,6 +75,7 @@ _HOMES = {
     "api.flying": ("fly",),
     "api.identifying": ("identify",),
     "api.planning": ("plan",),
+    "api.scoring": ("score",),
     "api.transferring": ("transfer",),
     "api.tuning": ("tune",),
     "core.errors": ("HotlapError", "InputError", "PlanningError"),

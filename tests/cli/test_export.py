@@ -50,7 +50,7 @@ def test_parameters_that_were_not_confirmed_are_written_with_a_note(hotlap):
     ("arguments", "message"),
     [
         (("nowhere", "--format", "csv"), "nowhere: holds no study"),
-        ((".", "--format", "xml"), "--format: there is no format named 'xml'; available: acados, csv, json"),
+        ((".", "--format", "xml"), "--format: there is no format named 'xml'; available: acados, agilicious, csv"),
         ((".",), "--format: is missing"),
         ((".", "--format", "csv", "--out", "missing/file.csv"), "missing/file.csv: cannot be written: there is no folder missing"),
     ],

@@ -65,7 +65,7 @@ def test_a_base_beside_the_file_is_found_from_it(found, hotlap, here, flight, mo
         (("nowhere.csv", "--quadrotor", "five-inch"), "nowhere.csv: there is no such file"),
         (("nowhere.csv", "--quadrotor", "five-inch", "--out", "mine.yaml"), "mine.yaml: must end with .toml"),
         (("a.csv", "--quadrotor", "five-inch", "--picture", "seen.gif"), "seen.gif: must end with .png, .svg, .pdf"),
-        (("straight.toml", "--quadrotor", "five-inch"), "straight.toml: t: this column is missing; a log of hotlap has t, w_x"),
+        (("straight.toml", "--quadrotor", "five-inch"), "straight.toml: is no log that hotlap knows: PX4 ULog"),
     ],
 )
 def test_bad_input_is_one_line(hotlap, arguments, message):

@@ -64,7 +64,7 @@ def keys_of(value):
 
 
 def test_every_command_that_is_quick_is_looked_at():
-    others = {"bench", "watch", "transfer"}  # which takes its time, does not end, and needs another world: tests/api/test_transfer.py
+    others = {"bench", "watch", "transfer", "score"}  # the last two: tests/api/test_transfer.py, tests/api/test_score.py
     assert set(documented()) == {*COMMANDS, *others}
 
 

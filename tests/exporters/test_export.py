@@ -67,7 +67,7 @@ def test_csv_has_a_row_for_each_segment_bit_for_bit(tmp_path, segments):
 
 
 def test_an_unknown_format_is_refused_with_those_there_are(study):
-    with pytest.raises(UnknownNameError, match="available: acados, csv"):
+    with pytest.raises(UnknownNameError, match="available: acados, agilicious, csv"):
         export(study, "xml")
 
 

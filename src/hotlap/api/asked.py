@@ -86,6 +86,9 @@ def command_line(call: Callable[..., Any], given: Mapping[str, Any]) -> str:
         value = given.get(name, parameter.default)
         if name in NAMELESS or value == parameter.default:
             continue
+        if isinstance(value, bool):
+            words.append(f"--{'' if value else 'no-'}{name.replace('_', '-')}")
+            continue
         values = value if isinstance(value, list | tuple) else [value]
         if not all(isinstance(one, str | int | float | Path) for one in values):
             return ""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hotlap.api.asked import Asked
-from hotlap.api.inputs import as_path, check_source, check_target
+from hotlap.api.inputs import as_path, check_target
 from hotlap.api.outcome import Outcome
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError
@@ -17,7 +17,8 @@ from hotlap.files.kinds import Kind
 from hotlap.identification.estimates import Estimate
 from hotlap.identification.identify import STAGES, Identification, identify
 from hotlap.identification.quadrotor_file import quadrotor_of, text_of
-from hotlap.logs.hotlap_csv import read_hotlap_csv
+from hotlap.logs.key_map import asked_map
+from hotlap.logs.readers import read
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.report.formats import SUFFIXES
 from hotlap.system.text_files import replace
@@ -86,9 +87,8 @@ def carry_out(asked: Asked) -> IdentifiedQuadrotor:
     check_target(out, (".toml",))
     check_target(picture, SUFFIXES)
     base = load_quadrotor(asked.quadrotor)
-    for path in given:
-        check_source(Path(path))
-    logs = [read_hotlap_csv(path) for path in given]
+    keys = asked_map(asked.map)
+    logs = [read(path, keys) for path in given]
     with asked.progress.pieces("stages", STAGES, 0, even=False) as say:
         found = identify(logs, base, thrust_known=asked.known == "thrust", say=say)
     label = str(out or asked.quadrotor)

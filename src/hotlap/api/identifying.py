@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from hotlap.api.asked import Asked
 
@@ -18,6 +18,7 @@ def identify(
     *,
     quadrotor: str | Path,
     known: str = "mass",
+    map: str | Path | Mapping[str, Any] | None = None,  # noqa: A002  the option's name
     out: Path | str | None = None,
     picture: Path | str | None = None,
     progress: Progress | bool | None = None,
@@ -25,9 +26,10 @@ def identify(
     """Find a quadrotor's numbers in logs of its flights, each with an interval: all that `hotlap identify` does.
 
     Args:
-        logs: of one vehicle, as hotlap fly --log writes them.
+        logs: of one vehicle: PX4 ULog, Betaflight blackbox, ArduPilot dataflash, MCAP, ROS bags, hotlap's own CSV or other tables.
         quadrotor: what it is believed to be: a built-in quadrotor or a TOML file, of its geometry, mass and form of rate loop.
         known: what of it is taken to be right; the other is identified.
+        map: TOML file that says which columns of a table, or which topics, are which signal; in Python also a dict.
         out: file to write, a quadrotor: .toml.
         picture: predicted against measured, where it was not fitted: .png, .svg or .pdf.
         progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.

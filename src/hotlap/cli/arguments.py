@@ -15,6 +15,7 @@ from hotlap.api.flying import fly
 from hotlap.api.identifying import identify
 from hotlap.api.importing import import_file
 from hotlap.api.planning import plan
+from hotlap.api.scoring import score
 from hotlap.api.transferring import transfer
 from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
@@ -132,6 +133,10 @@ def _fly(parser: Parser) -> None:
 
 def _transfer(parser: Parser) -> None:
     add_call(parser, transfer)
+
+
+def _score(parser: Parser) -> None:
+    add_call(parser, score, log=Shown("LOG"), out=Shown("FILE"))
 
 
 def _report(parser: Parser) -> None:
@@ -299,6 +304,13 @@ COMMANDS: Mapping[str, Command] = {
         _transfer,
         ("hotlap transfer runs/mine --to betaflight", "hotlap transfer runs/mine --to rotorpy,crazyflow --flights 10"),
     ),
+    "score": Command(
+        "judge a flight that really happened",
+        "Read the log of a flight, judge it by the judge of a race, and set it beside simulated flights: gates passed, lap time, error,\n"
+        "command effort. Reads logs of PX4, Betaflight, ArduPilot, ROS and tables; pip install 'hotlap[logs]'.",
+        _score,
+        ("hotlap score flight.ulg --race circle-34 --align", "hotlap score flight.csv --race my-race.toml --out flight.html"),
+    ),
     "report": Command(
         "write the page of a study again",
         "Write report.html into the folder of a study: the flight in three dimensions, what was tuned, and whether it will hold, in one\n"
@@ -316,8 +328,8 @@ COMMANDS: Mapping[str, Command] = {
     ),
     "export": Command(
         "write parameters for other programs",
-        "Write tuned parameters as other programs read them: mpc.yaml of rpg_mpc, weights for acados, JSON, TOML, CSV; or all flights\n"
-        "of a study for optuna-dashboard.",
+        "Write tuned parameters as other programs read them: mpc.yaml of rpg_mpc, weights for acados, JSON, TOML, CSV; the vehicle for\n"
+        "PX4 and agilicious; a flight with them for Foxglove and ROS 2; or all flights of a study for optuna-dashboard.",
         _export,
         ("hotlap export runs/mine --format acados", "hotlap export runs/mine --format optuna --out flights.db"),
     ),

@@ -16,6 +16,9 @@ from hotlap.files.kinds import Kind
 HINTS = {
     "rpg_mpc": "one list entry for each segment; what rpg_mpc does not read is said in the file",
     "acados": "W and W_e of each segment, and the code that sets them stage by stage",
+    "agilicious": "the vehicle, and the reference as a sampled trajectory",
+    "px4": "QGroundControl, Parameters, Tools, Load from file; what they rest on is said in the file",
+    "mcap": "Foxglove opens it; ros2 bag info FILE",
     "toml": "hotlap fly RACE --parameters FILE",  # only a built-in race is called by its name
     "optuna": "optuna-dashboard sqlite:///FILE",
 }

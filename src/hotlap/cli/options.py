@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hotlap.cli.parser import Parser, duration, fraction, one_of, path, whole
+from hotlap.cli.parser import Parser, duration, fraction, number, one_of, path, whole
 from hotlap.core.world_names import BUILT_IN, OWN, SIMULATORS
 from hotlap.exporters.formats import FORMATS
 from hotlap.first_guess.names import NAMES as GUESSES
@@ -47,6 +47,8 @@ SHOWN: Mapping[str, Shown] = {
     "logs": Shown("LOG"),
     "quadrotor": Shown("QUADROTOR"),
     "file": Shown("FILE"),
+    "map": Shown("FILE"),
+    "start": Shown("S"),
     "folder": Shown("DIR"),
     "goal": Shown("GOAL", values=FORMS),
     "seed": Shown("S"),
@@ -63,7 +65,7 @@ SHOWN: Mapping[str, Shown] = {
     "reliability": Shown("R"),
     "cluster": Shown("ADDRESS"),
 }
-METAVARS: Mapping[Callable[[str], Any], str] = {path: "FILE", whole: "N", fraction: "R", duration: "M", str: "NAME"}
+METAVARS: Mapping[Callable[[str], Any], str] = {path: "FILE", whole: "N", fraction: "R", number: "X", duration: "M", str: "NAME"}
 
 
 def add_call(parser: Parser, call: Callable[..., Any], **shown: Shown) -> None:
@@ -98,6 +100,9 @@ def _add(parser: Parser, parameter: inspect.Parameter, meaning: str, shown: Show
     if default is True:
         parser.add_argument(f"--no-{option[2:]}", dest=parameter.name, action="store_false", help=meaning.partition("; False: ")[2])
         return
+    if default is False:
+        parser.add_argument(option, action="store_true", help=meaning)
+        return
     kind = one_of(shown.kind, shown.names) if shown and shown.names else _kind(parameter)
     meaning, found, automatic = meaning.partition(f"; {default!r}: ")
     known = "" if shown is None else shown.values or ", ".join(shown.names)
@@ -120,4 +125,6 @@ def _kind(parameter: inspect.Parameter) -> Callable[[str], Any]:
         return whole
     if isinstance(parameter.default, float):
         return duration if parameter.name == "minutes" else fraction
+    if str(parameter.annotation).startswith("float"):
+        return number
     return path if "Path" in str(parameter.annotation) and "Race" not in str(parameter.annotation) else str

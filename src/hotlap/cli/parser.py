@@ -191,6 +191,14 @@ def fraction(text: str) -> float:
     return value
 
 
+def number(text: str) -> float:
+    """A number."""
+    value = _number(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"must be a number, not '{text}'")
+    return value
+
+
 def duration(text: str) -> float:
     """A time that is not negative."""
     value = _number(text)

@@ -24,6 +24,9 @@ class Format:
 FORMATS: Mapping[str, Format] = {
     "rpg_mpc": Format("rpg_mpc", "mpc.yaml"),
     "acados": Format("acados", "acados_weights.json"),
+    "agilicious": Format("agilicious", "quadrotor.yaml", finished=False),
+    "px4": Format("px4", "px4.params", finished=False),
+    "mcap": Format("ros2_bag", "flight.mcap"),
     "json": Format("plain_json", "parameters.json"),
     "toml": Format("plain_toml", "parameters.toml"),
     "csv": Format("plain_csv", "parameters.csv"),

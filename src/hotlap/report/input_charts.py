@@ -73,6 +73,8 @@ def _rows(scene: Scene, scenario: Scenario) -> list[Row]:
     for j, name in enumerate(("roll", "pitch", "yaw")):
         limit = settings.rates[j]
         rows.append(Row(f"{name} rate\n[rad/s]", (-limit, limit), flight.commands[:, j + 1 : j + 2], reference.rates[planned, j]))
+    if not np.isfinite(flight.rotor_thrusts).any():
+        return rows  # a real flight, whose rotors nobody measured
     return [*rows, Row("rotors\n[N]", scenario.race.vehicle.rotor_thrust, flight.rotor_thrusts, None)]
 
 

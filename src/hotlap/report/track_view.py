@@ -115,6 +115,8 @@ def _detail(scene: Scene) -> str:
         )
     shares = []
     for repeats in scene.repeats:
+        if repeats.flights == 1:
+            continue  # of which there is no share
         low, high = wilson_interval(repeats.complete, repeats.flights)
         rate = f"{repeats.complete} of {count(repeats.flights, 'flight')} complete"
         shares.append(f"{repeats.label}: {rate} ({100 * low:.0f} to {100 * high:.0f} %)")

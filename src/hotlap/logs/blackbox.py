@@ -1,0 +1,133 @@
+"""Betaflight: blackbox, by orangebox. Its body is forward, left, up; the setpoint that it logs holds the sweep of the chirp mode."""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hotlap.core.records import Floats
+from hotlap.logs.flight_log import FlightLog
+from hotlap.logs.packages import load
+from hotlap.logs.recording import Recording
+
+KIND = "a blackbox of Betaflight"
+GRAVITY = 9.80665
+VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+)")
+KEPT = ("rollPID", "pitchPID", "yawPID", "d_min", "d_max", "rates", "rate_limits", "tpa", "thrust_linear", "motor_poles", "looptime")
+KEPT += ("dshot_idle_value", "motorOutput", "vbat_sag_compensation", "debug_mode", "gyro_lowpass_hz", "dterm_lpf1_static_hz")
+FEWEST = 10  # frames that make a flight
+
+
+def read(path: Path, name: str) -> FlightLog:
+    """Read the first flight of a log; see `readers.read`."""
+    recording = Recording(name, KIND)
+    parser = load("orangebox", KIND, name).Parser.load(str(path), allow_invalid_header=True)
+    headers = dict(parser.headers)
+    rows, whole = list[tuple[Any, ...]](), True
+    try:
+        rows.extend(frame.data for frame in parser.frames())
+    except (RuntimeError, IndexError, StopIteration, TypeError):  # a battery that is pulled ends a log anywhere
+        whole = False
+    if len(rows) < FEWEST:
+        raise recording.fail("", f"is {KIND} with {len(rows)} frames: it is cut short, or holds no flight")
+    if not whole:
+        recording.note("the log has no end: it may be cut short")
+    if parser.reader.log_count > 1:
+        recording.note(f"the file holds {parser.reader.log_count} flights: this is the first")
+    columns = _columns(parser.field_names, rows)
+    if "time" not in columns:
+        raise recording.fail("time", "is missing")
+    _take(recording, columns, headers)
+    recording.facts |= {key: value for key, value in headers.items() if key.startswith(("chirp", "Firmware")) or key in KEPT}
+    return recording.finish()
+
+
+def _columns(names: list[str], rows: list[tuple[Any, ...]]) -> dict[str, Floats]:
+    """Numbers by the name of the field; words, of slow fields, are left out."""
+    width = min(len(names), *(len(row) for row in rows))
+    numbers = range(width)
+    return {names[i]: np.array([_number(row[i]) for row in rows]) for i in numbers}
+
+
+def _number(value: Any) -> float:
+    return float(value) if isinstance(value, int | float) else np.nan
+
+
+def _take(recording: Recording, columns: Mapping[str, Floats], headers: Mapping[str, Any]) -> None:
+    times = columns["time"] * 1e-6
+    found = VERSION.search(str(headers.get("Firmware revision", "")))
+    version = tuple(map(int, found.groups())) if found else (4, 0, 0)
+    if not found or "Betaflight" not in str(headers.get("Firmware revision", "")):
+        recording.note(f"written by {headers.get('Firmware revision', 'nobody who says so')}: its units were taken as those of Betaflight")
+    finer = 10.0 if int(headers.get("blackbox_high_resolution", 0) or 0) else 1.0
+    degrees = np.pi / 180 / finer
+    if (rates := _vector(recording, columns, "gyroADC")) is not None:
+        recording.add("rates", times, rates * _gyro_scale(headers, degrees, finer), "rates: filtered by the firmware (gyroADC)")
+    if (force := _vector(recording, columns, "accSmooth")) is not None:
+        one = float(headers.get("acc_1G", 2048) or 2048)
+        recording.add("acceleration", times, force * (GRAVITY / one))
+    if (asked := _vector(recording, columns, "setpoint")) is not None:
+        recording.add("rate_command", times, asked * degrees, "rate_command: setpoint, which holds the sweep of the chirp mode")
+    else:
+        recording.note("no setpoint was logged: rcCommand alone does not say which rates were asked for")
+    if "setpoint[3]" in columns and version >= (4, 0, 0):
+        recording.add("thrust_command", times, np.clip(columns["setpoint[3]"] / 1000, 0.0, 1.0))
+    elif "rcCommand[3]" in columns:
+        share = np.clip(columns["rcCommand[3]"] / 1000 - 1, 0.0, 1.0)
+        recording.add("thrust_command", times, share, "thrust_command: rcCommand, before the mixer's limits")
+    _take_motors(recording, times, columns, headers)
+    _take_battery(recording, times, columns, version)
+    if (vector := _vector(recording, columns, "imuQuaternion")) is not None:
+        parts = vector / 0x7FFF
+        scalar = np.sqrt(np.clip(1 - (parts**2).sum(axis=1), 0.0, 1.0))
+        recording.add("attitude", times, np.column_stack([scalar, parts]), "attitude: as the firmware estimates it")
+    recording.note("Betaflight logs no position in metres")
+
+
+def _gyro_scale(headers: Mapping[str, Any], degrees: float, finer: float) -> float:
+    """[rad/s] of a unit of the gyro: 1 deg/s, unless the header has another scale, as the bits of a float."""
+    given = headers.get("gyro_scale")
+    scale = struct.unpack("<f", given.to_bytes(4, "little"))[0] if isinstance(given, int) and 0 < given < 2**32 else 1.0
+    return degrees * scale if scale > 1e-3 else scale * 1e6 / finer  # of Cleanflight: rad/us
+
+
+def _take_motors(recording: Recording, times: Floats, columns: Mapping[str, Floats], headers: Mapping[str, Any]) -> None:
+    motors = [columns[f"motor[{i}]"] for i in range(8) if f"motor[{i}]" in columns]
+    if motors:
+        given = headers.get("motorOutput", [headers.get("minthrottle", 1070), headers.get("maxthrottle", 2000)])
+        low, high = map(float, given)
+        share = np.clip((np.column_stack(motors) - low) / (high - low), 0.0, 1.0)
+        recording.add("motor_command", times, share, f"motor_command: 0 to 1 is {low:g} to {high:g} in the log")
+    speeds = [columns[f"eRPM[{i}]"] for i in range(8) if f"eRPM[{i}]" in columns]
+    if speeds and any(np.any(column > 0) for column in speeds):
+        poles = float(headers.get("motor_poles", 14) or 14)
+        turns = np.column_stack(speeds) * 100 / (poles / 2)
+        recording.add("motor_speed", times, turns * (2 * np.pi / 60), f"motor_speed: of motors with {poles:g} poles")
+
+
+def _take_battery(recording: Recording, times: Floats, columns: Mapping[str, Floats], version: tuple[int, ...]) -> None:
+    volts = 0.01 if version >= (4, 0, 0) else 0.1
+    if "vbatLatest" in columns and version >= (3, 1, 0):
+        recording.add("battery", times, columns["vbatLatest"] * volts)
+    if "amperageLatest" in columns and version >= (3, 1, 7):
+        recording.add("current", times, columns["amperageLatest"] * 0.01)
+
+
+def _vector(recording: Recording, columns: Mapping[str, Floats], name: str) -> Floats | None:
+    """Three columns, shape (N, 3); None where there are none.
+
+    Raises:
+        InputError: one of them is missing.
+    """
+    wanted = [f"{name}[{i}]" for i in range(3)]
+    missing = [column for column in wanted if column not in columns]
+    if len(missing) == 3:
+        return None
+    if missing:
+        raise recording.fail(name, f"has no {', '.join(missing)}")
+    return np.column_stack([columns[column] for column in wanted])

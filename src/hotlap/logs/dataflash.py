@@ -1,0 +1,129 @@
+"""ArduPilot: dataflash, by pymavlink. Its world is north, east, down, its body forward, right, down; angles are in degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hotlap.core.records import Floats
+from hotlap.logs.flight_log import FlightLog
+from hotlap.logs.frames import TURNED, from_angles, turn, turn_attitude
+from hotlap.logs.packages import load
+from hotlap.logs.recording import Recording
+
+KIND = "a dataflash log of ArduPilot"
+FIRST = {"IMU": ("I",), "BAT": ("Inst", "Instance"), "XKF1": ("C",), "NKF1": ("C",), "XKQ": ("C",), "ESC": ("Instance",)}  # 0 of it counts
+KINDS = ("ATT", "RATE", "IMU", "RCOU", "BAT", "XKF1", "NKF1", "XKQ", "POS", "ESC", "PARM")
+FACTS = ("ATC_RAT", "ATC_THR", "MOT_", "INS_GYRO_FILTER", "BATT_", "FRAME", "SERVO_BLH", "SCHED_LOOP_RATE")
+EARTH = 6378137.0  # m, radius at the equator
+PWM = (1000.0, 2000.0)
+MOST_MESSAGES = 20_000_000
+
+
+def read(path: Path, name: str) -> FlightLog:
+    """Read a log; see `readers.read`."""
+    recording, reader = Recording(name, KIND), load("pymavlink.DFReader", KIND, name)
+    log = reader.DFReader_text(str(path)) if path.suffix.lower() == ".log" else reader.DFReader_binary(str(path))
+    kept: dict[str, list[Any]] = {kind: [] for kind in KINDS}
+    try:
+        for _ in range(MOST_MESSAGES):
+            message = log.recv_match(type=list(KINDS))
+            if message is None:
+                break
+            kind = message.get_type()
+            if all(getattr(message, field, 0) in {0, None} for field in FIRST.get(kind, ())):
+                kept[kind].append(message.to_dict() | {"t": message._timestamp})  # noqa: SLF001  it has no other name
+    finally:
+        close = getattr(log, "close", None)
+        if close is not None:
+            close()
+    parameters = {row["Name"]: row["Value"] for row in kept.pop("PARM")}
+    tables = {kind: Table(recording, kind, rows) for kind, rows in kept.items() if rows}
+    if not tables:
+        raise recording.fail("", f"is {KIND} with none of {', '.join(KINDS[:-1])}: it is cut short, or holds no flight")
+    _take(recording, tables, parameters)
+    recording.facts |= {key: value for key, value in parameters.items() if key.startswith(FACTS)}
+    return recording.finish()
+
+
+class Table:
+    """The messages of one kind.
+
+    Args:
+        recording: that complains.
+        kind: of the messages.
+        rows: of one message each.
+    """
+
+    def __init__(self, recording: Recording, kind: str, rows: Sequence[dict[str, Any]]) -> None:
+        self._recording, self._kind, self._rows = recording, kind, rows
+        clock = "TimeUS" in rows[0]
+        self.times: Floats = np.array([row["TimeUS"] * 1e-6 if clock else row["t"] for row in rows], dtype=np.float64)
+
+    def __contains__(self, column: str) -> bool:
+        """Whether there is a column of this name."""
+        return column in self._rows[0]
+
+    def columns(self, *names: str) -> Floats:
+        """Some columns, shape (N, columns).
+
+        Raises:
+            InputError: one is missing.
+        """
+        missing = [name for name in names if name not in self]
+        if missing:
+            raise self._recording.fail(self._kind, f"has no {', '.join(missing)}")
+        return np.array([[row[name] for name in names] for row in self._rows], dtype=np.float64)
+
+
+def _take(recording: Recording, tables: dict[str, Table], parameters: dict[str, Any]) -> None:
+    _take_place(recording, tables)
+    if "XKQ" in tables:
+        recording.add("attitude", tables["XKQ"].times, turn_attitude(tables["XKQ"].columns("Q1", "Q2", "Q3", "Q4")))
+    if "ATT" in tables:
+        roll, pitch, yaw = np.radians(tables["ATT"].columns("Roll", "Pitch", "Yaw")).T
+        recording.add("attitude", tables["ATT"].times, turn_attitude(from_angles(roll, pitch, yaw)), "attitude: from the angles of ATT")
+    if "IMU" in tables:
+        imu = tables["IMU"]
+        recording.add("rates", imu.times, turn(imu.columns("GyrX", "GyrY", "GyrZ")))
+        recording.add("acceleration", imu.times, turn(imu.columns("AccX", "AccY", "AccZ")))
+    if "RATE" in tables:
+        rate = tables["RATE"]
+        recording.add("rates", rate.times, turn(np.radians(rate.columns("R", "P", "Y"))), "rates: of RATE")
+        recording.add("rate_command", rate.times, turn(np.radians(rate.columns("RDes", "PDes", "YDes"))))
+        if "AOut" in rate:
+            recording.add("thrust_command", rate.times, np.clip(rate.columns("AOut"), 0.0, 1.0))
+    if "RCOU" in tables:
+        _take_motors(recording, tables["RCOU"], parameters)
+    if "BAT" in tables:
+        battery = tables["BAT"]
+        recording.add("battery", battery.times, battery.columns("Volt"))
+        if "Curr" in battery:
+            recording.add("current", battery.times, battery.columns("Curr"))
+
+
+def _take_place(recording: Recording, tables: dict[str, Table]) -> None:
+    """Position and velocity: of a filter, else of POS."""
+    for kind in ("XKF1", "NKF1"):
+        if kind in tables:
+            table = tables[kind]
+            recording.add("position", table.times, turn(table.columns("PN", "PE", "PD")), TURNED)
+            recording.add("velocity", table.times, turn(table.columns("VN", "VE", "VD")))
+    if "POS" in tables and "position" not in recording:
+        table = tables["POS"]
+        latitude, longitude, height = table.columns("Lat", "Lng", "RelHomeAlt" if "RelHomeAlt" in table else "Alt").T
+        north, east = (np.radians(angle - angle[0]) * EARTH for angle in (latitude, longitude))
+        place = np.column_stack([north, -east * np.cos(np.radians(latitude[0])), height])
+        recording.add("position", table.times, place, "position: of POS, from the first fix; a metre or more may be wrong")
+
+
+def _take_motors(recording: Recording, table: Table, parameters: dict[str, Any]) -> None:
+    """Outputs that are motors: by their functions where those are logged, else the first four."""
+    motors = [i for i in range(1, 15) if 33 <= parameters.get(f"SERVO{i}_FUNCTION", 0) <= 40] or [1, 2, 3, 4]
+    low, high = (float(parameters.get(key) or value) for key, value in zip(("MOT_PWM_MIN", "MOT_PWM_MAX"), PWM, strict=True))
+    share = np.clip((table.columns(*(f"C{i}" for i in motors)) - low) / (high - low), 0.0, 1.0)
+    said = f"motor_command: {', '.join(f'C{i}' for i in motors)} of RCOU from {low:g} to {high:g} us"
+    recording.add("motor_command", table.times, share, said)
