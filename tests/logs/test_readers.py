@@ -125,7 +125,7 @@ def test_a_topic_is_chosen_by_the_map(tmp_path):
         read(path, {"rates": "/imuu"})
 
 
-@pytest.mark.parametrize(("name", "package"), [("a.ulg", "pyulog"), ("a.bbl", "orangebox"), ("a.bin", "pymavlink"), ("a.mcap", "mcap")])
+@pytest.mark.parametrize(("name", "package"), [("a.ulg", "pyulog"), ("a.bin", "pymavlink"), ("a.mcap", "mcap")])
 def test_a_missing_package_is_named(tmp_path, monkeypatch, name, package):
     path = WRITTEN[name.replace("a", "flight", 1)][0](tmp_path / name, FLIGHT)
     for module in [module for module in sys.modules if module.partition(".")[0] == package]:
@@ -133,6 +133,17 @@ def test_a_missing_package_is_named(tmp_path, monkeypatch, name, package):
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(InputError, match=rf"{package} is missing.*pip install 'hotlap\[logs\]'"):
         read(path)
+
+
+def test_a_missing_program_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr("hotlap.logs.blackbox.PACKAGE", "no-such-package")
+    with pytest.raises(InputError, match=r"no-such-package is missing.*pip install 'hotlap\[logs\]'"):
+        read(write_blackbox(tmp_path / "a.bbl", FLIGHT))
+
+
+def test_a_program_under_the_gpl_is_not_loaded(tmp_path):
+    read(write_blackbox(tmp_path / "a.bbl", FLIGHT))
+    assert "orangebox" not in sys.modules
 
 
 def test_a_signal_that_is_needed_and_missing_is_named(tmp_path):

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import csv
 import re
 import struct
+import subprocess
+import sys
 from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from hotlap.core.errors import InputError
 from hotlap.core.records import Floats
 from hotlap.logs.flight_log import FlightLog
-from hotlap.logs.packages import load
 from hotlap.logs.recording import Recording
 
 KIND = "a blackbox of Betaflight"
@@ -20,26 +24,22 @@ GRAVITY = 9.80665
 VERSION = re.compile(r"(\d+)\.(\d+)\.(\d+)")
 KEPT = ("rollPID", "pitchPID", "yawPID", "d_min", "d_max", "rates", "rate_limits", "tpa", "thrust_linear", "motor_poles", "looptime")
 KEPT += ("dshot_idle_value", "motorOutput", "vbat_sag_compensation", "debug_mode", "gyro_lowpass_hz", "dterm_lpf1_static_hz")
+FIRST = b"H Product:Blackbox"  # line of each flight
+PACKAGE, PROGRAM = "orangebox", "bb2csv"
+PATIENCE = 300.0  # s of decoding
 FEWEST = 10  # frames that make a flight
 
 
 def read(path: Path, name: str) -> FlightLog:
     """Read the first flight of a log; see `readers.read`."""
     recording = Recording(name, KIND)
-    parser = load("orangebox", KIND, name).Parser.load(str(path), allow_invalid_header=True)
-    headers = dict(parser.headers)
-    rows, whole = list[tuple[Any, ...]](), True
-    try:
-        rows.extend(frame.data for frame in parser.frames())
-    except (RuntimeError, IndexError, StopIteration, TypeError):  # a battery that is pulled ends a log anywhere
-        whole = False
-    if len(rows) < FEWEST:
-        raise recording.fail("", f"is {KIND} with {len(rows)} frames: it is cut short, or holds no flight")
+    content = path.read_bytes()
+    headers, flights = _headers(content), content.count(FIRST)
+    columns, whole = _columns(_decode(path, name), recording)
     if not whole:
         recording.note("the log has no end: it may be cut short")
-    if parser.reader.log_count > 1:
-        recording.note(f"the file holds {parser.reader.log_count} flights: this is the first")
-    columns = _columns(parser.field_names, rows)
+    if flights > 1:
+        recording.note(f"the file holds {flights} flights: this is the first")
     if "time" not in columns:
         raise recording.fail("time", "is missing")
     _take(recording, columns, headers)
@@ -47,15 +47,78 @@ def read(path: Path, name: str) -> FlightLog:
     return recording.finish()
 
 
-def _columns(names: list[str], rows: list[tuple[Any, ...]]) -> dict[str, Floats]:
-    """Numbers by the name of the field; words, of slow fields, are left out."""
+def _decode(path: Path, name: str) -> tuple[str, bool]:
+    """Frames of the first flight as CSV, and whether all of them could be decoded.
+
+    Orangebox is under the GPL, so its program runs as a process of its own.
+
+    Raises:
+        InputError: it is not there, or takes too long.
+    """
+    command = [sys.executable, "-P", str(_program(name)), "--allow-invalid-header", str(path.absolute())]
+    try:
+        done = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE, check=False)
+    except subprocess.TimeoutExpired:
+        raise InputError(name, "", f"is {KIND} that takes more than {PATIENCE:g} s to decode: it is damaged, or too long") from None
+    return done.stdout.decode("utf-8", "replace"), done.returncode == 0
+
+
+def _program(name: str) -> Path:
+    """Orangebox's program that writes a log as CSV.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        files = distribution(PACKAGE).files or []
+    except PackageNotFoundError:
+        files = []
+    for file in files:
+        if file.name == PROGRAM:
+            return Path(str(file.locate()))
+    raise InputError(name, "", f"is {KIND}, and {PACKAGE} is missing, which reads it: pip install 'hotlap[logs]'")
+
+
+def _headers(content: bytes) -> dict[str, Any]:
+    """The lines before the first frame, `H name:value`: whole numbers, lists of them, or text."""
+    found = dict[str, Any]()
+    for line in content.split(b"\n"):
+        if not line.startswith(b"H "):
+            break
+        key, _, value = line[2:].decode("utf-8", "replace").partition(":")
+        found[key.strip()] = _value(value.strip())
+    return found
+
+
+def _value(text: str) -> Any:
+    try:
+        numbers = [int(part, 0) for part in text.split(",")]
+    except ValueError:
+        return text
+    return numbers[0] if len(numbers) == 1 else numbers
+
+
+def _columns(decoded: tuple[str, bool], recording: Recording) -> tuple[dict[str, Floats], bool]:
+    """Numbers by the name of the field, and whether the log is whole; words, of slow fields, are left out.
+
+    Raises:
+        InputError: there are too few frames.
+    """
+    text, whole = decoded
+    names, *rows = list(csv.reader(text.splitlines())) or [[]]
+    if rows and len(rows[-1]) < len(names):  # it was being written
+        rows.pop()
+    if len(rows) < FEWEST:
+        raise recording.fail("", f"is {KIND} with {len(rows)} frames: it is cut short, or holds no flight")
     width = min(len(names), *(len(row) for row in rows))
-    numbers = range(width)
-    return {names[i]: np.array([_number(row[i]) for row in rows]) for i in numbers}
+    return {names[i]: np.array([_number(row[i]) for row in rows]) for i in range(width)}, whole
 
 
-def _number(value: Any) -> float:
-    return float(value) if isinstance(value, int | float) else np.nan
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return np.nan
 
 
 def _take(recording: Recording, columns: Mapping[str, Floats], headers: Mapping[str, Any]) -> None:
