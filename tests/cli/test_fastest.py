@@ -16,6 +16,7 @@ from hotlap.cli import main
 from hotlap.core.finite import finite
 from hotlap.files.descriptions import load_parameters, load_race
 from hotlap.race.race import Race
+from hotlap.study.database import Database
 from hotlap.tuning.loop import TuningSettings
 
 RACE = load_race("circle-20")
@@ -172,7 +173,10 @@ def test_what_has_no_meaning_for_it_is_said(option, capsys):
 
 
 def test_a_folder_holds_one_kind_of_study(tmp_path, monkeypatch, capsys):
-    (tmp_path / "study.sqlite").touch()
+    database = Database(tmp_path, owned=True)
+    with database.transaction():
+        database.create()
+    database.close()
     assert main(["tune", "circle-20", "--goal", "lap_time", "--out", str(tmp_path)]) == 2
     assert "holds another study" in capsys.readouterr().err
     (tmp_path / "study.sqlite").unlink()

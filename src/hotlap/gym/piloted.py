@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from hotlap.core.records import Floats
 from hotlap.flight.control_loop import ControlLoop
@@ -91,5 +90,7 @@ def _give() -> Any:
         for a in range(4):
             loop.history[0, a, 0] = command[a]
         actuate(borrow(job), s, loop, borrow(vehicle), borrow(lane), 0)
+
+    from numba import njit  # noqa: PLC0415  the flight core has to start it
 
     return keep(njit(**COMPILE)(give), "one-give")

@@ -7,7 +7,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from hotlap.core.records import Floats
 from hotlap.flight.kernel_cache import keep
@@ -66,5 +65,7 @@ def _replayed(kind: str) -> Any:
                 thrust += vehicle.state[n, 0] ** 2
                 roots += vehicle.state[n, 0]
             rows[k, 3], rows[k, 4] = thrust / mass, roots
+
+    from numba import njit  # noqa: PLC0415  the flight core has to start it
 
     return keep(njit(**COMPILE)(fly), "identify-replay" + ("" if kind == PLAIN else f"-{kind}"))
