@@ -126,6 +126,7 @@ def bare(vehicle: str, start: tuple[float, float, float], *gates: tuple[float, f
     return Race(name="bare", track=track, vehicle=load_quadrotor(vehicle), planning=PlanningSettings(**planning))
 
 
+@pytest.mark.check
 def test_quadratic_drag_keeps_the_plan_below_the_top_speed():
     race = small.make_race([(80.0, 0.0, 0.5)], planning=small.WITH_ALL, quadrotor={**small.OWN, "body_drag": (0.05, 0.05, 0.05)})
     speeds = np.linalg.norm(find_plan(Problem.of(race)).states[:, 3:6], axis=1)
