@@ -10,7 +10,7 @@ from identification.flights import BASE, TOLD, WITHIN, drawn, errors
 DRAWS, LEAST, OF_DRAG = 100, 90, 85
 
 
-@pytest.mark.check
+@pytest.mark.slow
 def test_intervals_cover_the_truth():
     covered = dict.fromkeys([*TOLD, "drag x", "drag y", "drag z"], 0)
     for seed in range(DRAWS):
