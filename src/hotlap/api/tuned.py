@@ -149,15 +149,17 @@ class TuningResult(Outcome):
         if result.goal == Quantity.NONE:
             return f"budget of {count(result.flights, 'flight')} spent, no goal was set"
         if self.confirmed:
-            return f"{result.goal} confirmed{'' if self.kept_guess is None else f'; {self.kept_guess.words}'}"
+            return f"{result.goal} confirmed"
         kept = "the most reliable of what was found" if result.selection_flights else "the best so far"
         return f"{result.goal} NOT confirmed in {count(result.flights, 'flight')}; {kept} is kept"
 
     def facts(self) -> dict[str, str]:
         """Verdict, flights, lap time, validation and paths."""
-        result = self.result
+        result, kept = self.result, self.kept_guess
         return {
             "race": f"{result.race}: {self.verdict}",
+            "result": "" if kept is None else kept.held,
+            "mean error": "" if kept is None else kept.errors,
             "plan": describe_choice(self.plans),
             "search flights": f"{result.search_flights} search flights, {result.flights} with re-flights",
             "lap time": f"lap {seconds(result.best.lap_time)}",

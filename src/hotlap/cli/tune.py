@@ -53,7 +53,8 @@ def summarise(tuned: TuningResult, further: str) -> Iterator[Line]:
     """
     result, no_goal = tuned.result, tuned.result.goal == Quantity.NONE
     style = "bold" if no_goal else "bold green" if tuned.confirmed else "bold red"
-    yield Text(f"{result.race}: {tuned.verdict}", style=style)
+    kept = "" if tuned.kept_guess is None else f"; {tuned.kept_guess.words}"
+    yield Text(f"{result.race}: {tuned.verdict}{kept}", style=style)
     yield from facts(
         {
             "plan": describe_choice(tuned.plans),

@@ -35,10 +35,19 @@ class KeptGuess(Shown):
     @property
     def words(self) -> str:
         """In a line."""
-        held = f"the {self.guess} {HELD[self.guess]}"
+        return f"{self.held}; mean error {self.errors}" if self.errors else self.held
+
+    @property
+    def held(self) -> str:
+        """What was kept."""
+        return f"the {self.guess} {HELD[self.guess]}"
+
+    @property
+    def errors(self) -> str:
+        """Both mean errors; "" where one is not known."""
         if math.isnan(self.mean_error) or math.isnan(self.default_mean_error):
-            return held
-        return f"{held}; mean error {self.mean_error:.2g} m, that of the default weights {self.default_mean_error:.2g} m"
+            return ""
+        return f"{self.mean_error:.2g} m, that of the default weights {self.default_mean_error:.2g} m"
 
     def dump(self) -> dict[str, Any]:
         """As plain JSON, which has no NaN."""
