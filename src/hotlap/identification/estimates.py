@@ -122,7 +122,7 @@ def _asked(base: Quadrotor, present: set[str], *, thrust_known: bool) -> list[_A
     for name, former, sign in (("up", up, -0.5), ("down", down, 0.5)):
         of = lambda n, s=sign: n["lag"] * n["lag_ratio"] ** s  # noqa: E731
         found.append(_Asked(f"motor lag {name}", "motor_time", "s", of, former, True, MOST["log"], _why_lag))
-    found += [_gain(base, k) for k in range(3)]
+    found += [_gain(base, k) for k in range(3) if f"gain_{AXES[k]}" in present]
     for name, words in PARTS.items():
         if name in present:
             of = lambda n, one=name: n[one]  # noqa: E731

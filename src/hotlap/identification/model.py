@@ -48,7 +48,7 @@ def with_numbers(base: Quadrotor, numbers: Numbers, *, thrust_known: bool) -> Qu
         "motor_time": (numbers["lag"] / half, numbers["lag"] * half),
         "inflow": 0.0,
     }
-    gains = tuple(numbers[f"gain_{axis}"] for axis in AXES)
+    gains = tuple(numbers.get(f"gain_{axis}", own) for axis, own in zip(AXES, base.rate_gain, strict=True))
     if base.rate_loop is None:
         change["rate_gain"] = gains
     else:
