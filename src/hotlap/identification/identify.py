@@ -130,8 +130,8 @@ def identify(
         numbers.get("battery", math.nan),
         voltage,
     )
-    seconds = sum(float(one.grid[-1] - one.grid[0]) for one in evidence)
-    notes = tuple(dict.fromkeys(note for log in logs for note in log.notes))
+    seconds = sum(one.seconds for one in evidence)
+    notes = tuple(dict.fromkeys(note for one in (*logs, *evidence) for note in one.notes))
     estimates = estimates_of(last, base, evidence, thrust_known=thrust_known)
     which = "thrust" if thrust_known else "mass"
     return Identification(base, tuple(log.name for log in logs), seconds, which, estimates, known, seen, notes)
@@ -150,8 +150,7 @@ def _voltage(evidence: Sequence[Evidence]) -> float:
     """[V] in the first second of the first log that has a battery."""
     for one in evidence:
         if one.has_battery and one.thrust_command is not None:
-            early = one.thrust_command.times <= one.grid[0] + 1.0
-            return float(one.thrust_command.values[early, 1].mean())
+            return float(one.thrust_command.means(np.array([one.grid[0], one.grid[0] + 1.0]))[0, 1])
     return math.nan
 
 
