@@ -13,18 +13,15 @@ from hotlap.core.errors import InputError
 from hotlap.core.records import Floats
 from hotlap.identification.ground import ground
 from hotlap.identification.held import Held
+from hotlap.identification.usable import SHORTEST, usable
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.race.race import PLANT_STEP
 
 Mask = NDArray[np.bool_]
 
-SHORTEST = 5.0  # s of a log
 FINEST = 200.0  # samples a second that are kept; more are averaged
-COARSEST = 20.0  # samples a second below which a rate loop cannot be seen
 GAP = 0.25  # s without a sample
 SETTLING = 0.5  # s after a gap, and after the start, that do not count
-MOST_RATE = 70.0  # rad/s: more are degrees a second
-MOST_FORCE = 300.0  # m/s^2
 
 
 @dataclass(frozen=True)
@@ -88,8 +85,7 @@ def lay_out(log: FlightLog) -> Evidence:
     Raises:
         InputError: it lacks what no identification can do without, or cannot be right.
     """
-    _check(log)
-    signals = log.signals
+    signals, left_out = usable(log)
     needed = [signals[name] for name in ("rates", "rate_command", "thrust_command") if name in signals]
     start, end = max(one.times[0] for one in needed), min(one.times[-1] for one in needed)
     standing = ground(signals, start, end)
@@ -109,7 +105,7 @@ def lay_out(log: FlightLog) -> Evidence:
     outputs = {"rates": rates, "force": force, "velocity": velocity}
     gaps = np.concatenate([_gaps(signals[name]) for name in ("rates", "rate_command")] + [np.array([[start, start]]), within])
     counts = {name: _counting(one, gaps) for name, one in outputs.items() if one is not None}
-    notes = tuple(_on_the_ground(log.name, standing))
+    notes = (*left_out, *_on_the_ground(log.name, standing))
     return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts, within, notes)
 
 
@@ -127,32 +123,6 @@ def _on_the_ground(name: str, standing: Floats) -> Iterator[str]:
     if len(standing):
         when = ", ".join(f"{begin:.1f} to {end:.1f}" for begin, end in standing)
         yield f"{name}: {np.diff(standing, axis=1).sum():.1f} s on the ground were left out ({when} s)"
-
-
-def _check(log: FlightLog) -> None:
-    """Refuse a log that cannot be used."""
-    for name, what in (("rates", "no body rates: a gyroscope's log is needed"), ("rate_command", "no commanded body rates")):
-        if name not in log.signals:
-            raise InputError(log.name, name, f"is missing: {what}")
-        signal = log.signals[name]
-        if signal.values.shape[1] != 3:
-            raise InputError(log.name, name, f"has {signal.values.shape[1]} axes, not 3")
-        if len(signal.times) < 2 or signal.rate < COARSEST:
-            raise InputError(log.name, name, f"has {signal.rate:.3g} samples a second; at least {COARSEST:g} are needed")
-        largest = float(np.percentile(np.abs(signal.values), 99))
-        if largest > MOST_RATE:
-            raise InputError(log.name, name, f"reaches {largest:.0f} rad/s: is it in degrees a second?")
-    for name, signal in log.signals.items():
-        if not np.isfinite(signal.values).all() or (np.diff(signal.times) <= 0).any():
-            raise InputError(log.name, name, "has values that are not finite, or times that do not increase")
-    if "thrust_command" in log.signals:
-        thrust = log.signals["thrust_command"].values
-        if thrust.max() > 1.5 or thrust.min() < -0.5:
-            raise InputError(log.name, "thrust_command", f"is from {thrust.min():.3g} to {thrust.max():.3g}, not from 0 to 1")
-    if "acceleration" in log.signals:
-        force = float(np.median(np.linalg.norm(log.signals["acceleration"].values, axis=1)))
-        if not 3.0 < force < MOST_FORCE:
-            raise InputError(log.name, "acceleration", f"is {force:.3g} m/s^2 in the median, not about 10: is it in g, or without gravity?")
 
 
 def _held(signal: Signal) -> Held:

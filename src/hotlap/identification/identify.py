@@ -18,6 +18,7 @@ from hotlap.identification.model import Model, Numbers
 from hotlap.identification.unknowns import AXES, BATTERY_POWER, moved, unknowns_of
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
+from hotlap.logs.plausibility import check_units
 from hotlap.race.quadrotor import Quadrotor
 
 STAGES = 4  # that are told
@@ -100,6 +101,8 @@ def identify(
     Raises:
         InputError: a log lacks what no identification can do without, or cannot be right.
     """
+    for log in logs:
+        check_units(log)
     evidence = [lay_out(_in_throttle(log, base)) for log in logs]
     voltage = _voltage(evidence)
     models = [Model(base, one, k, voltage, thrust_known) for k, one in enumerate(evidence)]
