@@ -57,6 +57,17 @@ def test_a_base_beside_the_file_is_found_from_it(found, hotlap, here, flight, mo
     assert load_quadrotor(here / "found" / "mine.toml").mass == 0.7
 
 
+def test_what_is_outside_of_a_window_is_not_fitted(found, hotlap, flight, monkeypatch):
+    seen = []
+    monkeypatch.setattr("hotlap.api.identified.identify", lambda logs, *_, **__: seen.extend(logs) or found)
+    assert hotlap("identify", flight, "--quadrotor", "five-inch", "--from", "1", "--to", "7.5").code == 0
+    assert (seen[0].start, seen[0].duration) == pytest.approx((1.0, 6.5), abs=0.011)
+    assert any(note.startswith("from 1.00 to 7.50 s of a log from 0.00 to") for note in seen[0].notes)
+    assert hotlap("identify", flight, "--quadrotor", "five-inch", "--from", "99").err.startswith(
+        "hotlap: --from: leaves nothing of flight.csv"
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -65,6 +76,8 @@ def test_a_base_beside_the_file_is_found_from_it(found, hotlap, here, flight, mo
         (("nowhere.csv", "--quadrotor", "five-inch"), "nowhere.csv: there is no such file"),
         (("nowhere.csv", "--quadrotor", "five-inch", "--out", "mine.yaml"), "mine.yaml: must end with .toml"),
         (("a.csv", "--quadrotor", "five-inch", "--picture", "seen.gif"), "seen.gif: must end with .png, .svg, .pdf"),
+        (("a.csv", "--quadrotor", "five-inch", "--from", "soon"), "--from: must be a number, not 'soon'"),
+        (("a.csv", "--quadrotor", "five-inch", "--from", "9", "--to", "3"), "--to: is 3 s, which is not after 9 s"),
         (("straight.toml", "--quadrotor", "five-inch"), "straight.toml: is no log that hotlap knows: PX4 ULog"),
     ],
 )

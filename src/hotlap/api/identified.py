@@ -19,6 +19,7 @@ from hotlap.identification.identify import STAGES, Identification, identify
 from hotlap.identification.quadrotor_file import quadrotor_of, text_of
 from hotlap.logs.key_map import asked_map
 from hotlap.logs.readers import read
+from hotlap.logs.window import check_window, cut
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.report.formats import SUFFIXES
 from hotlap.system.text_files import replace
@@ -83,12 +84,13 @@ def carry_out(asked: Asked) -> IdentifiedQuadrotor:
     given = [asked.logs] if isinstance(asked.logs, str | Path) else list(asked.logs)
     if not given:
         raise InputError("", "logs", "at least one is needed")
+    check_window(asked.window)
     out, picture = as_path(asked.out), as_path(asked.picture)
     check_target(out, (".toml",))
     check_target(picture, SUFFIXES)
     base = load_quadrotor(asked.quadrotor)
     keys = asked_map(asked.map)
-    logs = [read(path, keys) for path in given]
+    logs = [cut(read(path, keys), asked.window) for path in given]
     with asked.progress.pieces("stages", STAGES, 0, even=False) as say:
         found = identify(logs, base, thrust_known=asked.known == "thrust", say=say)
     label = str(out or asked.quadrotor)

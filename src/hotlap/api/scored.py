@@ -26,6 +26,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.logs.flight_log import FlightLog
 from hotlap.logs.key_map import asked_map
 from hotlap.logs.readers import need, read
+from hotlap.logs.window import check_window, cut
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort, effort_of
 from hotlap.report.page.replay import LOGGED, typical
@@ -164,11 +165,12 @@ def carry_out(asked: Asked) -> ScoredFlight:
     check_range("flights", asked.flights, 1, MOST_FLIGHTS)
     check_range("seed", asked.seed, 0, LARGEST_RUN_SEED)
     check_source(as_path(asked.reference))
+    check_window(asked.window)
     page = as_path(asked.out)
     check_target(page, PAGES)
     race = load(asked.race, asked.controller)
     check_guess(str(asked.first_guess))
-    log = read(asked.log, asked_map(asked.map))
+    log = cut(read(asked.log, asked_map(asked.map)), asked.window)
     need(log, ("position",), "the judge of a race")
     race = planned_as(race, asked.first_guess if asked.parameters is None else asked.parameters) if asked.reference is None else race
     scenario = make_scenario(race, asked)

@@ -183,7 +183,7 @@ def _spread(rows: Sequence[Floats]) -> tuple[float, float]:
 
 
 def _why_thrust(evidence: Sequence[Evidence]) -> tuple[str, str]:
-    throttles = [one.thrust_command.values[:, 0] for one in evidence if one.thrust_command is not None]
+    throttles = [one.flown(one.thrust_command)[:, 0] for one in evidence if one.thrust_command is not None]
     if not throttles:
         return "no thrust command is logged", ""
     if all(one.output is None for one in evidence):
@@ -193,7 +193,7 @@ def _why_thrust(evidence: Sequence[Evidence]) -> tuple[str, str]:
 
 
 def _why_battery(evidence: Sequence[Evidence]) -> tuple[str, str]:
-    low, high = _spread([one.thrust_command.values[:, 1] for one in evidence if one.thrust_command is not None])
+    low, high = _spread([one.flown(one.thrust_command)[:, 1] for one in evidence if one.thrust_command is not None])
     return (
         f"the battery was from {low:.2f} to {high:.2f} V only",
         WORDS["battery"],
@@ -207,7 +207,7 @@ def _why_lag(evidence: Sequence[Evidence]) -> tuple[str, str]:
 
 def _why_gain(evidence: Sequence[Evidence], k: int) -> tuple[str, str]:
     turn = TURNS[AXES[k]]
-    moved = max(float(one.rate_command.values[:, k].std()) for one in evidence)
+    moved = max(float(one.flown(one.rate_command)[:, k].std()) for one in evidence)
     return f"{turn} was hardly asked to turn ({moved:.2g} rad/s rms)", WORDS[turn]
 
 

@@ -77,7 +77,7 @@ def search(models: Sequence[Model], unknowns: Sequence[Unknown]) -> dict[str, fl
         Starts by name, as counted.
     """
     found = {one.name: one.start for one in unknowns}
-    throttles = [m.evidence.thrust_command.values[:, 0] for m in models if m.evidence.thrust_command is not None]
+    throttles = [m.evidence.flown(m.evidence.thrust_command)[:, 0] for m in models if m.evidence.thrust_command is not None]
     if throttles:
         hover = max(float(np.median(np.concatenate(throttles))), 0.02)
         c = found.get("curvature", 0.0)

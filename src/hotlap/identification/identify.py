@@ -19,6 +19,7 @@ from hotlap.identification.motor_lag import with_lag_of_thrust
 from hotlap.identification.unknowns import AXES, BATTERY_POWER, moved, unknowns_of
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
+from hotlap.logs.plausibility import check_units
 from hotlap.race.quadrotor import Quadrotor
 
 STAGES = 4  # that are told
@@ -107,6 +108,8 @@ def identify(
     Raises:
         InputError: a log lacks what no identification can do without, or cannot be right.
     """
+    for log in logs:
+        check_units(log)
     evidence = [lay_out(_in_throttle(log, base)) for log in logs]
     voltage = _voltage(evidence)
     models = [Model(base, one, k, voltage, thrust_known) for k, one in enumerate(evidence)]
@@ -138,8 +141,8 @@ def identify(
         numbers.get("battery", math.nan),
         voltage,
     )
-    seconds = sum(float(one.grid[-1] - one.grid[0]) for one in evidence)
-    notes = tuple(dict.fromkeys(note for log in logs for note in log.notes))
+    seconds = sum(one.seconds for one in evidence)
+    notes = tuple(dict.fromkeys(note for one in (*logs, *evidence) for note in one.notes))
     estimates = estimates_of(last, base, evidence, thrust_known=thrust_known)
     which = f"{'thrust' if thrust_known else 'mass'}{' and rate loop' * loop_known}"
     return Identification(base, tuple(log.name for log in logs), seconds, which, estimates, known, seen, notes)
@@ -158,8 +161,7 @@ def _voltage(evidence: Sequence[Evidence]) -> float:
     """[V] in the first second of the first log that has a battery."""
     for one in evidence:
         if one.has_battery and one.thrust_command is not None:
-            early = one.thrust_command.times <= one.grid[0] + 1.0
-            return float(one.thrust_command.values[early, 1].mean())
+            return float(one.thrust_command.means(np.array([one.grid[0], one.grid[0] + 1.0]))[0, 1])
     return math.nan
 
 
