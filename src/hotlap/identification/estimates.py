@@ -19,7 +19,7 @@ from hotlap.identification.unknowns import AXES
 from hotlap.race.quadrotor import Quadrotor
 
 STEP = 1e-5  # of derivatives
-MOST = {"log": math.log(1.25), "s": 0.01, "1/s": 0.2, "": 0.5, "N s^2/m^2": math.inf, "N^0.5 s/m": math.inf}
+MOST = {"log": math.log(1.25), "factor": math.log(2.0), "s": 0.01, "1/s": 0.2, "": 0.5, "N s^2/m^2": math.inf, "N^0.5 s/m": math.inf}
 PARTS = {"integral": "factor of i, roll and pitch", "integral_z": "factor of i, yaw", "damping": "factor of d"}
 TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}
 
@@ -126,7 +126,7 @@ def _asked(base: Quadrotor, present: set[str], *, thrust_known: bool) -> list[_A
     for name, words in PARTS.items():
         if name in present:
             of = lambda n, one=name: n[one]  # noqa: E731
-            found.append(_Asked(words, f"rate_loop.{name}", "", of, 1.0, True))
+            found.append(_Asked(words, f"rate_loop.{name}", "", of, 1.0, True, MOST["factor"]))
     found.append(_Asked("dead time", "delay", "s", lambda n: n["delay"], base.delay, False, MOST["s"], _why_delay))
     return found + _drags(base, present)
 
