@@ -96,8 +96,8 @@ def chattering() -> tuple[Diagnosis, ...]:
     return found(make_scenario(SLOW, model=SLOW, **race), weights=RESTLESS)
 
 
-def saturated() -> tuple[Diagnosis, ...]:
-    return found(dashing(dash(12.0), make_race(noise=NOISE, judge={"distance": 0.3}, **weak(12.0))), replan=replan)
+def saturated(distance: float = 0.3, **options) -> tuple[Diagnosis, ...]:
+    return found(dashing(dash(12.0), make_race(noise=NOISE, judge={"distance": distance}, **weak(12.0))), **options)
 
 
 CASES = {
@@ -107,7 +107,7 @@ CASES = {
     "unknown force: wind": lambda: found(make_scenario(noise=NOISE, judge=WIDE), "wind=4"),
     "unknown dead time": lambda: found(make_scenario({"delay": 0.15}, noise=NOISE, judge=WIDE)),
     "chattering": chattering,
-    "saturated from the start": saturated,
+    "saturated from the start": lambda: saturated(replan=replan),
     "late at the gate": lambda: found(late(lag_lead=0.0)),
     "opening too small": lambda: found(make_scenario(noise=LOUD, judge={"distance": 0.09})),
 }
@@ -195,6 +195,22 @@ def test_a_trial_that_held_in_no_flight_does_not_say_that_it_would():
     assert further.helps
     assert further.proof == "11 of 12 flights pass gate 3 with enough of it, none of them to the end: not enough by itself"
     assert further.rank > lost.rank
+
+
+def test_a_cause_that_could_not_be_flown_without_is_told_before_one_that_does_not_help():
+    (only,) = saturated(0.1)
+    assert only.cause is FailureCause.SATURATED
+    assert only.tried is None
+
+
+def test_what_could_not_be_flown_ranks_between_what_helps_and_what_does_not():
+    unknown = Diagnosis(FailureCause.SATURATED, "", 'set planning.dynamics = "full"')
+    some, further, lost = (replace(unknown, tried=Validation(12, held), passed=passed) for held, passed in ((3, 0), (0, 11), (0, 0)))
+    same, hardly, more = (replace(unknown, tried=Validation(12, held), before=7) for held in (7, 8, 9))
+    assert max(some, further, more, unknown, key=lambda one: one.rank) is not unknown
+    assert min(some, further, more, unknown, key=lambda one: one.rank) is unknown
+    assert max(unknown, lost, same, hardly, key=lambda one: one.rank) is unknown
+    assert not (lost.helps or same.helps or hardly.helps)
 
 
 def test_flights_that_hold_have_no_causes():

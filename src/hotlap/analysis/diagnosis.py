@@ -57,6 +57,7 @@ class Diagnosis(Shown):
         supposed: what was only supposed in these flights, in words; "" where the advice itself was flown.
         passed: how many of them passed the gate at which most had failed, where that is many more than before; else 0.
         gate: the name of that gate; "" where flights failed that passed all.
+        before: how many of the same flights met the goal with the cause.
     """
 
     cause: FailureCause
@@ -66,6 +67,7 @@ class Diagnosis(Shown):
     supposed: str = ""
     passed: int = 0
     gate: str = ""
+    before: int = 0
 
     @property
     def rate(self) -> float:
@@ -73,14 +75,23 @@ class Diagnosis(Shown):
         return -1.0 if self.tried is None else self.tried.rate
 
     @property
-    def rank(self) -> tuple[float, int, float]:
-        """Larger is better: how many flights without the cause held where these are enough, else how many got further, then held."""
-        return self.rate if self.rate >= ENOUGH else 0.0, self.passed, self.rate
+    def rank(self) -> tuple[int, float, int, float]:
+        """Larger is better: what helps, then what was not flown, then what does not help.
+
+        Of those that help: how many flights without the cause held where these are enough, else how many got further, then held.
+        """
+        standing = 0 if self.tried is None else 1 if self.helps else -1
+        return standing, self.rate if self.rate >= ENOUGH else 0.0, self.passed, self.rate
 
     @property
     def helps(self) -> bool:
-        """Whether any flight without the cause held, or got further; True where that was not flown."""
-        return self.tried is None or bool(self.tried.successes or self.passed)
+        """Whether more flights held without the cause than with it, or many got further; True where that was not flown.
+
+        Where some held anyway, hardly more than these are none.
+        """
+        if self.tried is None or self.passed:
+            return True
+        return self.tried.successes - self.before > (ALIKE * self.tried.flights if self.before else 0)
 
     @property
     def words(self) -> str:
@@ -118,7 +129,8 @@ def diagnose(
 ) -> tuple[Diagnosis, ...]:
     """Why parameters fail, the likeliest cause first, at most three; none where they do not fail.
 
-    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless figures prove it or nothing helps.
+    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless figures prove it or nothing helps;
+    what could not be flown is told before that.
     Only what lies before the place at which most of them fail is a cause; where nothing helps, other weights are tried as well.
 
     Args:
@@ -219,7 +231,9 @@ class _Trial:
 
     def _try(self, case: Case, suspicion: Suspicion, cure: Cure) -> Diagnosis:
         """A suspicion with what flights with one of its cures gave, where that can be flown."""
-        told = Diagnosis(suspicion.cause, suspicion.found, cure.advice, None, cure.supposed, 0, case.where.name)
+        seeds = self.seeds[:FLIGHTS]
+        held = int((~case.failed[: len(seeds)]).sum())
+        told = Diagnosis(suspicion.cause, suspicion.found, cure.advice, None, cure.supposed, 0, case.where.name, held)
         scenario = replace(self.scenario, race=cure.race)
         if cure.replanned:
             try:
@@ -228,7 +242,6 @@ class _Trial:
                 return told
             if self.replan is None or len(scenario.segments) != len(self.scenario.segments):
                 return told
-        seeds = self.seeds[:FLIGHTS]
         flights = self._fly(scenario, cure.vehicle_parameters, seeds, parameters=cure.parameters)
         told = replace(told, tried=Validation(len(flights), int(self._succeeded(scenario, flights).sum())))
         further, before = (int((one.gates_passed[: len(seeds)] > case.where.gate).sum()) for one in (flights, case.flights))
