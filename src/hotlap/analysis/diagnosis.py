@@ -34,7 +34,6 @@ HELPS = 0.25  # share of the flights by which a trial has to be better
 CHEAP = 5.0  # s of planning
 ENOUGH = 0.5  # share of the flights of a trial, below which it has not removed what makes them fail
 ALL = 0.95  # share that is enough, however many held before
-WOULD = " would"  # what follows it in an advice says that it helps
 ALIKE = 0.1  # difference of two shares that says little
 
 Replan = Callable[[Race], Scenario]
@@ -58,6 +57,7 @@ class Diagnosis(Shown):
         passed: how many of them passed the gate at which most had failed, where that is many more than before; else 0.
         gate: the name of that gate; "" where flights failed that passed all.
         before: how many of the same flights met the goal with the cause.
+        change: what the advice changes, in words that do not recommend it; "": the advice itself.
     """
 
     cause: FailureCause
@@ -68,6 +68,7 @@ class Diagnosis(Shown):
     passed: int = 0
     gate: str = ""
     before: int = 0
+    change: str = ""
 
     @property
     def rate(self) -> float:
@@ -96,7 +97,13 @@ class Diagnosis(Shown):
     @property
     def words(self) -> str:
         """In one line."""
-        return f"{self.cause}: {self.found}; {self.advice}{f' ({self.proof})' if self.proof else ''}"
+        advice = self.advice if self.helps else f"{self.named} alone does not help"
+        return f"{self.cause}: {self.found}; {advice}{f' ({self.proof})' if self.proof else ''}"
+
+    @property
+    def named(self) -> str:
+        """What the advice changes, in words that do not recommend it."""
+        return self.change or self.advice
 
     @property
     def proof(self) -> str:
@@ -202,7 +209,7 @@ def diagnose_logs(
     case = _case(scenario, flights, failed, condition, true=False)
     if case is None:
         return ()
-    return tuple(Diagnosis(one.cause, one.found, one.cures[0].advice) for one in suspect(case)[:MOST])
+    return tuple(Diagnosis(one.cause, one.found, one.cures[0].advice, change=one.cures[0].change) for one in suspect(case)[:MOST])
 
 
 @dataclass(frozen=True)
@@ -233,7 +240,7 @@ class _Trial:
         """A suspicion with what flights with one of its cures gave, where that can be flown."""
         seeds = self.seeds[:FLIGHTS]
         held = int((~case.failed[: len(seeds)]).sum())
-        told = Diagnosis(suspicion.cause, suspicion.found, cure.advice, None, cure.supposed, 0, case.where.name, held)
+        told = Diagnosis(suspicion.cause, suspicion.found, cure.advice, None, cure.supposed, 0, case.where.name, held, cure.change)
         scenario = replace(self.scenario, race=cure.race)
         if cure.replanned:
             try:
@@ -246,8 +253,7 @@ class _Trial:
         told = replace(told, tried=Validation(len(flights), int(self._succeeded(scenario, flights).sum())))
         further, before = (int((one.gates_passed[: len(seeds)] > case.where.gate).sum()) for one in (flights, case.flights))
         more = bool(case.where.name) and further >= before + HELPS * len(seeds)
-        advice = cure.advice if told.rate >= ENOUGH else cure.advice.partition(WOULD)[0]
-        return replace(told, advice=advice, passed=further * more)
+        return replace(told, passed=further * more)
 
     def _succeeded(self, scenario: Scenario, flights: Flights) -> NDArray[np.bool_]:
         return self.goal.succeeded(score(flights, scenario.race.judge))

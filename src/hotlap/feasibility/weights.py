@@ -33,5 +33,5 @@ def _others(case: Case, parameters: Parameters) -> Iterator[Cure]:
         for factor, words in ((by, f"{how} by {size:g}") for size in FACTORS for by, how in ((size, "multiplied"), (1 / size, "divided"))):
             others = parameters.astype(float)
             others[..., k] *= factor
-            advice = f"tune further, from {name} {words} in all segments"
-            yield Cure(advice, case.race, case.vehicle_parameters, parameters=space.clip(others))
+            change = f"{name} {words} in all segments"
+            yield Cure(f"tune further, from {change}", change, case.race, case.vehicle_parameters, parameters=space.clip(others))
