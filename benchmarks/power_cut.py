@@ -16,13 +16,15 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import torture
 from torture import HOTLAP, JOBS, LONGEST, Job, Place, Whole, ends_alike, fly_whole, warm_up
 
-from hotlap.analysis.resumable import digest_code
 from hotlap.core.errors import HotlapError
+from hotlap.system.disk_cache import digest_sources
 from hotlap.system.journal import Journal
 
 SECTOR = 512  # bytes that are written whole
@@ -188,13 +190,15 @@ def follow(disk: Disk, name: str, arguments: list[str], result: str) -> None:
         disk.sync(path)
 
 
-def trace(place: Place, warm: Path) -> list[tuple[str, list[str], str]]:
-    """What a job does to its files, from its beginning to its end."""
+def trace(place: Place, warm: Path, status: int) -> list[tuple[str, list[str], str]]:
+    """What a job does to its files, from its beginning to its end, which has an exit status."""
     place.prepare(warm)
     log = place.folder / "calls"
     options = ["-f", "--seccomp-bpf", "-y", "-xx", "-s", "100000000", "-e", f"trace={CALLS}", "-o", str(log)]
     command = ["strace", *options, *HOTLAP, *place.job.arguments.split(), "--out", str(place.out)]
-    subprocess.run(command, cwd=place.folder, env=place.environment(), capture_output=True, timeout=LONGEST, check=False)
+    done = subprocess.run(command, cwd=place.folder, env=place.environment(), capture_output=True, timeout=LONGEST, check=False)
+    if done.returncode != status:
+        sys.exit(f"{place.job.name} ends with {done.returncode} under strace, not with {status}:\n{done.stderr.decode(errors='replace')}")
     return calls(log, place.folder)
 
 
@@ -228,21 +232,30 @@ def _lay(place: Place, traced: Path, files: dict[str, bytes]) -> None:
         path.write_bytes(content)
 
 
-def run_job(job: Job, folder: Path, warm: Path, kept: Journal, trials: int) -> None:
-    """All trials of a job that are not kept yet."""
+def run_job(job: Job, folder: Path, warm: Path, kept: Journal, trials: int, processes: int) -> None:
+    """All trials of a job that are not kept yet, several at a time."""
     missing = [trial for trial in range(trials) if f"{job.name} #{trial}" not in kept.done]
     if not missing:
         return
-    whole = fly_whole(Place(folder / "whole", job), warm)
+    whole = fly_whole([Place(folder / "whole", job)], warm)
     traced = folder / "traced"
-    log = trace(Place(traced, job), warm)
-    for trial in missing:
+    log = trace(Place(traced, job), warm, whole.status)
+
+    def one(trial: int) -> tuple[int, str]:
         place = Place(folder / f"cut-{trial}", job)
-        wrong = cut(place, warm, whole, log, traced, random.Random(f"{job.name} #{trial}"))
+        try:
+            wrong = cut(place, warm, whole, log, traced, random.Random(f"{job.name} #{trial}"))
+        except (HotlapError, ValueError, OSError) as error:  # of what was being read, or hangs
+            wrong = f"{type(error).__name__}: {error}"
         if not wrong:
             shutil.rmtree(place.folder)
-        kept.add(f"{job.name} #{trial}", {"job": job.name, "calls": len(log), "wrong": wrong})
-        print(f"{job.name} {trial + 1} of {trials}: {wrong or 'identical'}", file=sys.stderr, flush=True)
+        return trial, wrong
+
+    with ThreadPoolExecutor(processes) as pool:
+        for done in as_completed([pool.submit(one, trial) for trial in missing]):
+            trial, wrong = done.result()
+            kept.add(f"{job.name} #{trial}", {"job": job.name, "calls": len(log), "wrong": wrong})
+            print(f"{job.name} {trial + 1} of {trials}: {wrong or 'identical'}", file=sys.stderr, flush=True)
 
 
 def table(outcomes: Sequence[dict[str, str]]) -> Iterator[str]:
@@ -259,15 +272,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("jobs", nargs="*", metavar="JOB", default=list(TRACED), help=f"parts of names (default: {', '.join(TRACED)})")
     parser.add_argument("--trials", type=int, default=25, help="of each job")
+    parser.add_argument("--processes", type=int, default=2, help="trials at a time")
     parser.add_argument("--out", type=Path, default=Path("build/power-cut"))
     asked = parser.parse_args(arguments)
     if shutil.which("strace") is None:
         sys.exit("power_cut.py needs strace")
     jobs, folder = [job for job in JOBS if any(part in job.name for part in asked.jobs)], asked.out.resolve()
-    with Journal.opened(folder, digest_code(Path(__file__))) as kept:
+    with Journal.opened(folder, digest_sources("hotlap", Path(__file__), Path(torture.__file__))) as kept:
         warm = warm_up(folder, JOBS)
         for job in jobs:
-            run_job(job, folder, warm, kept, asked.trials)
+            run_job(job, folder, warm, kept, asked.trials, asked.processes)
         outcomes = [kept.done[f"{job.name} #{trial}"] for job in jobs for trial in range(asked.trials)]
     print("\n".join(table(outcomes)))
     sys.exit("\n".join(f"{one['job']}: {one['wrong']}" for one in outcomes if one["wrong"]) or 0)

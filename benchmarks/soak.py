@@ -2,7 +2,8 @@
 
 A process that leaks or slows down does so by little each time. Flights are flown in batches with seeds of their own, tunings one after the
 other; now and then one line tells the memory that is resident, the open files and the rate since the last line, in time of the processors.
-At the end the first flights, or the first tuning, are done again and must give the same bits. Linux and macOS.
+At the end the first flights, or the first tuning, are done again and must give the same bits. It fails where memory or rate of the last
+half are more than 5 % worse than those of the half before, or a file is left open. Linux and macOS.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ import os
 import resource
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 
@@ -28,6 +30,7 @@ from hotlap.worlds.built_in import BuiltIn
 
 BATCH = 500  # flights at once
 LINES = 20  # of a soak
+WORSE = 0.05  # share by which memory and rate may get worse
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,19 @@ def soak(do: Callable[[int], bytes], count: int, step: int) -> Iterator[Reading]
         sys.exit("the first result is another at the end")
 
 
+def verdict(readings: Sequence[Reading]) -> str:
+    """What got worse, "" where nothing did: the last half beside the first, whose first reading does not count: things are loaded then."""
+    before, last = readings[1 : (len(readings) + 1) // 2], readings[(len(readings) + 1) // 2 :]
+    told = []
+    if max(one.memory for one in last) > (1 + WORSE) * max(one.memory for one in before):
+        told.append("memory grows")
+    if max(one.files for one in last) > max(one.files for one in before):
+        told.append("files are left open")
+    if median(one.rate for one in last) < (1 - WORSE) * median(one.rate for one in before):
+        told.append("it slows down")
+    return ", ".join(told)
+
+
 def flights(race: str) -> Callable[[int], bytes]:
     """Flies a batch of a race with seeds from a number on."""
     world, scenario = BuiltIn(), prepare(race)
@@ -126,6 +142,7 @@ def main() -> None:
     if asked.out:
         document = {"hotlap": __version__, "what": asked.what, "race": asked.race, "readings": [asdict(one) for one in readings]}
         asked.out.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    sys.exit(verdict(readings) or 0)
 
 
 if __name__ == "__main__":

@@ -26,16 +26,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hotlap.analysis.resumable import digest_code
 from hotlap.core.errors import HotlapError
 from hotlap.study.database import FILE as STUDY
 from hotlap.study.study import Study
+from hotlap.system.disk_cache import digest_sources
 from hotlap.system.journal import Journal
 
 HOTLAP = (sys.executable, "-m", "hotlap")
 PATIENCE = 20.0  # s within which all processes of a command that is dead have to be gone
 LONGEST = 600.0  # s of one command
 TIMES = {"tuner_time", "cpu_time"}  # keys of what is another at each run
+TIME_COLUMN = "ms/flight"  # of a table, likewise
 ROOM = 256 << 20  # bytes of a disk that is not full
 SHORT_RACE = """vehicle = "hummingbird"
 
@@ -141,8 +142,12 @@ class Place:
             )
 
     def finish(self) -> int:
-        """Run to the end; the exit status."""
-        return self.start().wait(LONGEST)
+        """Run to the end; the exit status.
+
+        Raises:
+            HotlapError: it hangs; its processes are killed.
+        """
+        return finish(self.start())
 
     def said(self) -> str:
         """What the last command said."""
@@ -185,13 +190,45 @@ def _content(path: Path) -> Any:
         return path.read_text(encoding="utf-8")
     if path.suffix == ".html":
         return path.read_text(encoding="utf-8").rstrip().endswith("</html>")
-    return path.name.endswith(".lock") or path.stat().st_size > 0
+    if path.suffix in {".md", ".csv"}:
+        return list(_timeless_lines(path.read_text(encoding="utf-8")))
+    if path.suffix == ".png":
+        content = path.read_bytes()
+        return content.startswith(b"\x89PNG") and content.endswith(b"IEND\xaeB`\x82")
+    return path.name
+
+
+def _timeless_lines(text: str) -> Iterator[str]:
+    """Lines without the column of a table that says how long a tuner has thought."""
+    thought = None
+    for line in text.splitlines():
+        cells = line.split(" | ")
+        names = [cell.strip(" |") for cell in cells]
+        if TIME_COLUMN in names:
+            thought = names.index(TIME_COLUMN)
+        elif not line.startswith("|"):
+            thought = None
+        yield " | ".join(cell for k, cell in enumerate(cells) if k != thought)
 
 
 def _timeless(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _timeless(inner) for key, inner in value.items() if key not in TIMES}
     return [_timeless(inner) for inner in value] if isinstance(value, list) else value
+
+
+def finish(process: subprocess.Popen[bytes]) -> int:
+    """Wait for the end of a command; its exit status.
+
+    Raises:
+        HotlapError: it hangs; its processes are killed.
+    """
+    try:
+        return process.wait(LONGEST)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        outlived(process.pid)
+        raise HotlapError("hangs") from None
 
 
 def session(leader: int) -> list[int]:
@@ -208,12 +245,12 @@ def session(leader: int) -> list[int]:
 def strike(process: subprocess.Popen[bytes], fault: str, chance: random.Random) -> None:
     """Let a fault befall a command that runs; nothing where it has ended already."""
     with suppress(ProcessLookupError):
-        if fault == KILLED:
-            os.killpg(process.pid, signal.SIGKILL)
+        if fault in {KILLED, CTRL_C}:  # a terminal sends Ctrl-C to all
+            os.killpg(process.pid, signal.SIGKILL if fault == KILLED else signal.SIGINT)
         elif fault == WORKER:
             os.kill(chance.choice(session(process.pid)[:-1] or [process.pid]), signal.SIGKILL)
         else:
-            os.kill(process.pid, {PARENT: signal.SIGKILL, CTRL_C: signal.SIGINT, TERM: signal.SIGTERM}[fault])
+            os.kill(process.pid, {PARENT: signal.SIGKILL, TERM: signal.SIGTERM}[fault])
 
 
 def outlived(leader: int) -> bool:
@@ -259,28 +296,37 @@ class Whole:
     result: dict[str, Any]
 
 
-def fly_whole(place: Place, warm: Path) -> Whole:
-    """Fly a job to its end, from the caches of its trials."""
-    place.prepare(warm)
+def fly_whole(places: Sequence[Place], warm: Path) -> Whole:
+    """Fly a job to its end, from the caches of its trials and as many at a time; ends the program where they do not end alike."""
+    for place in places:
+        place.prepare(warm)
     began = time.monotonic()
-    status = place.finish()
-    if status not in {0, 1}:
-        sys.exit(f"{place.job.name} ends with {status}:\n{place.said()}")
-    seconds = time.monotonic() - began
-    return Whole(seconds, status, sum(path.stat().st_size for path in place.out.rglob("*") if path.is_file()), place.result())
+    with ThreadPoolExecutor(len(places)) as pool:
+        statuses = list(pool.map(Place.finish, places))
+    seconds, results = time.monotonic() - began, [place.result() for place in places]
+    if statuses[0] not in {0, 1}:
+        sys.exit(f"{places[0].job.name} ends with {statuses[0]}:\n{places[0].said()}")
+    if any(result != results[0] for result in results) or len({*statuses}) > 1:
+        sys.exit(f"{places[0].job.name} ends in different ways when nothing befalls it")
+    size = sum(path.stat().st_size for path in places[0].out.rglob("*") if path.is_file())
+    return Whole(seconds, statuses[0], size, results[0])
 
 
 def torment(place: Place, warm: Path, whole: Whole, fault: str, chance: random.Random) -> str:
     """One trial; what went wrong in it, "" where nothing did."""
     place.prepare(warm)
-    if fault != FULL:
-        return _struck(place, whole, fault, chance)
-    with small_disk(place.out, chance.randrange(1 << 12, whole.size)):
-        process = place.start()
-        process.wait(LONGEST)
-        complaint = _after(process, place, 0) or ("" if process.returncode in {0, 1, 2} else f"exit status {process.returncode}")
-        grow(place.out)
-        return complaint or ends_alike(place, whole)
+    try:
+        if fault != FULL:
+            return _struck(place, whole, fault, chance)
+        with small_disk(place.out, chance.randrange(1 << 12, whole.size)):
+            process = place.start()
+            status = finish(process)
+            complaint = "" if status in {0, 1} else f"exit status {status}"
+            complaint = complaint or _after(process, place, 0)
+            grow(place.out)
+            return complaint or ends_alike(place, whole)
+    except (HotlapError, ValueError, OSError) as error:  # of what was being read, or hangs
+        return f"{type(error).__name__}: {error}"
 
 
 def _struck(place: Place, whole: Whole, fault: str, chance: random.Random) -> str:
@@ -293,13 +339,9 @@ def _struck(place: Place, whole: Whole, fault: str, chance: random.Random) -> st
         with suppress(HotlapError):  # it is being made
             kept = place.kept()
     strike(process, fault, chance)
-    try:
-        process.wait(LONGEST)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        return "hangs"
-    if process.returncode not in {0, 1, *STATUSES[fault]}:
-        return f"exit status {process.returncode}"
+    status = finish(process)
+    if status not in {0, 1, *STATUSES[fault]}:
+        return f"exit status {status}"
     return _after(process, place, kept) or ends_alike(place, whole)
 
 
@@ -354,7 +396,7 @@ def run_job(job: Job, folder: Path, warm: Path, kept: Journal, processes: int, f
     missing = [trial for trial in range(job.trials) if _key(job, trial) not in kept.done]
     if not missing:
         return
-    whole = fly_whole(Place(folder / "whole", job), warm)
+    whole = fly_whole([Place(folder / f"whole-{k}", job) for k in range(processes)], warm)
 
     def one(trial: int) -> tuple[int, dict[str, str]]:
         fault = faults[trial % len(faults)]
@@ -402,7 +444,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     jobs = [job for job in JOBS if any(part in job.name for part in asked.jobs)]
     jobs = [Job(job.name, job.arguments, asked.trials or job.trials, plans=job.plans, kernels=job.kernels) for job in jobs]
     folder = asked.out.resolve()
-    with Journal.opened(folder, digest_code(Path(__file__))) as kept:
+    with Journal.opened(folder, digest_sources("hotlap", Path(__file__))) as kept:
         (folder / "disk").mkdir(exist_ok=True)
         faults = FAULTS if can_mount(folder / "disk") else tuple(fault for fault in FAULTS if fault != FULL)
         warm = warm_up(folder, JOBS)
