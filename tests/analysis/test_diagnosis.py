@@ -10,6 +10,7 @@ import pytest
 
 from flight.scenarios import TUNED, make_race, make_scenario
 from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling, without_symptoms
+from hotlap.analysis.remedies import failures_of, what_to_try
 from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import FailureCause
 from hotlap.feasibility.margins import margin
@@ -146,10 +147,10 @@ def later(reference: Reference, push: float) -> Reference:
     return replace(reference, thrust=reference.thrust + more)
 
 
-def sluggish(reference: Reference) -> Scenario:
+def sluggish(reference: Reference, distance: float = 0.1, **controller) -> Scenario:
     """A race whose gates flights miss by their weights alone."""
-    judge = {"distance": 0.1, "rule": GateRule.CLOSEST}
-    return dashing(reference, make_race(noise=NOISE, judge=judge, controller={"thrust": (0.1, 20.0), "lag_lead": 0.5}))
+    judge = {"distance": distance, "rule": GateRule.CLOSEST}
+    return dashing(reference, make_race(noise=NOISE, judge=judge, controller={"thrust": (0.1, 20.0), "lag_lead": 0.5, **controller}))
 
 
 def test_what_lies_after_the_gate_at_which_flights_fail_is_no_cause():
@@ -166,6 +167,14 @@ def test_where_nothing_else_helps_other_weights_are_tried_and_what_happens_at_th
     assert "m from the reference at gate 1, with thrust and rates within their limits" in only.found
     assert "Q_pos_xy multiplied by" in only.advice
     assert only.rate == 1.0
+
+
+def test_where_no_weights_help_either_the_advice_is_to_look_at_the_flights():
+    (only,) = found(sluggish(dash(9.0, 0.2), 0.002, offset_free=True), weights=SLUGGISH)
+    assert only.cause is FailureCause.WEIGHTS
+    assert only.advice == "no single weight, 10 or 4 times larger or smaller, gets many more flights past gate 1: look at the flights"
+    assert only.words.endswith(f"; {only.advice}"), "nothing was tuned further that could be said not to help"
+    assert what_to_try(failures_of((), (only,))) == (only.advice,)
 
 
 @pytest.mark.check

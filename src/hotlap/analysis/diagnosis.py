@@ -17,7 +17,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import SYMPTOMS, Case, Cure, FailureCause, Suspicion, suspect
 from hotlap.feasibility.margins import margin
 from hotlap.feasibility.signs import Signs, signs_of
-from hotlap.feasibility.weights import suspect_weights
+from hotlap.feasibility.weights import none_helps, suspect_weights
 from hotlap.feasibility.where import where_most_fail
 from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import UNCHANGED, Condition
@@ -138,7 +138,8 @@ def diagnose(
 
     Each suspicion is tried: the same flights without the cause. What does not help is not told, unless figures prove it or nothing helps;
     what could not be flown is told before that.
-    Only what lies before the place at which most of them fail is a cause; where nothing helps, other weights are tried as well.
+    Only what lies before the place at which most of them fail is a cause; where nothing helps, other weights are tried as well, and where
+    none of those helps either, the one advice is to look at the flights.
 
     Args:
         scenario: that is flown.
@@ -163,8 +164,10 @@ def diagnose(
     told = _each_once(without_symptoms([*certain, *roots, *(one for one in proved if one.cause in SYMPTOMS)]))
     if proved or certain:
         return tuple(told[:MOST])
-    weights = suspect_weights(case, parameters)
-    return (max((*tested, trial.test(case, weights, helps)), key=lambda one: one.rank),)
+    weights = trial.test(case, suspect_weights(case, parameters), helps)
+    best = max((*tested, weights), key=lambda one: one.rank)
+    vain = best is weights and not weights.helps
+    return (replace(weights, advice=none_helps(weights.gate), change="", tried=None) if vain else best,)
 
 
 def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
