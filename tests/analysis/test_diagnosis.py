@@ -239,6 +239,19 @@ def test_logs_alone_tell_a_wrong_weight_and_thrust_at_its_limit():
     assert diagnose_logs(heavier, flights, np.zeros(6, dtype=bool)) == ()
 
 
+def test_the_one_log_of_a_flight_that_failed_elsewhere_than_most_tells_its_cause():
+    heavier = make_scenario({"mass": 0.93}, noise=NOISE, judge=WIDE)
+    flights = WORLD.fly(heavier, np.tile(TUNED, (6, 2, 1)), SEEDS[:6], log=(0,))
+    later, first = np.arange(6) > 0, np.arange(6) < 1
+    passed = int(flights.gates_passed[0])
+    assert 0 < passed < len(flights.gate_times)
+    flights = replace(flights, gates_passed=np.where(later, passed - 1, passed))
+    causes = diagnose_logs(heavier, flights, later | first)
+    assert FailureCause.UNKNOWN_FORCE in {one.cause for one in causes}
+    assert [one.words for one in causes] == [one.words for one in diagnose_logs(heavier, flights, first)]
+    assert diagnose_logs(heavier, flights, later) == ()
+
+
 def test_symptoms_that_vanish_with_their_cause_are_not_told():
     held, some = Validation(12, 12), Validation(12, 8)
     cause, symptom = (Diagnosis(one, "", "", held) for one in (FailureCause.DEAD_TIME, FailureCause.LATE))

@@ -270,13 +270,17 @@ class _Trial:
 
 
 def _case(scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition, *, true: bool = True) -> Case | None:
-    """What is known of flights that failed, from the logs of those that did where most did; None where there are none of any use."""
-    if not failed.any():
-        return None
-    where = where_most_fail(scenario.race, flights, failed)
-    read = [signs_of(scenario, log, float(where.times[i])) for i, log in flights.logs.items() if where.flights[i]]
-    signs = [one for one in read if one is not None]
-    if not signs:
-        return None
-    left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free, until=where.time)
-    return Case(scenario, where, Signs.median(signs), left, flights, failed, condition, true)
+    """What is known of flights that failed, from the logs of those that did where most did; None where there are none of any use.
+
+    Where there is no log of these, the next most common place at which flights failed counts.
+    """
+    rest = failed
+    while rest.any():
+        where = where_most_fail(scenario.race, flights, rest)
+        read = [signs_of(scenario, log, float(where.times[i])) for i, log in flights.logs.items() if where.flights[i]]
+        signs = [one for one in read if one is not None]
+        if signs:
+            left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free, until=where.time)
+            return Case(scenario, where, Signs.median(signs), left, flights, failed, condition, true)
+        rest = rest & ~where.flights
+    return None
