@@ -31,6 +31,7 @@ CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 HOTLAP = [sys.executable, "-m", "hotlap"]
 RACE = ("circle-34", "--first-guess", "default", "--seed", "0")
 LONG = "mass=+10% & thrust=-15% & wind=3 & gusts=2"  # a condition with a long name
+FLOWN = "50 new flights with the tuned parameters"
 OLDEST_NODE = 18
 
 pytestmark = pytest.mark.check
@@ -89,13 +90,9 @@ def test_the_page_of_a_study_that_failed_says_why(tmp_path):
 @pytest.mark.parametrize(
     ("reach", "known", "words"),
     [
-        (
-            0.0,
-            0,
-            "all 50 new flights with the tuned parameters passed every gate, but the goal (completion=1) was not confirmed in the search",
-        ),
-        (40.0, 0, "50 of 50 new flights with the tuned parameters did not pass every gate"),
-        (40.0, 50, "50 of 50 new flights with the tuned parameters did not pass every gate: 50 missed gate 1"),
+        (0.0, 0, f"all {FLOWN} passed every gate, but the goal (completion=1) was not confirmed in the search"),
+        (40.0, 0, f"50 of {FLOWN} did not pass every gate"),
+        (40.0, 50, f"50 of {FLOWN} did not pass every gate: 50 missed gate 1"),
     ],
 )
 def test_the_verdict_says_what_the_new_flights_have_shown(tmp_path, reach, known, words):

@@ -108,6 +108,13 @@ def test_the_article_names_all_worlds():
     assert "flown in home and abroad with the same noise, 3 flights each" in text
 
 
+def test_the_article_says_of_laps_what_they_are():
+    tuned = (replace(flight("home", "tuned", [0.1], seed=seed), lap_time=lap) for seed, lap in enumerate((5.0, 5.0, 8.0)))
+    rows = rows_of([*tuned, *rows_with()[2].flights])
+    assert cells_of(rows)[0][5] == "6.00", "their mean, not their median"
+    assert "*lap*: the mean of the flights that passed all gates" in compose_article("circle", rows, (), "").markdown
+
+
 @pytest.mark.parametrize(("error", "words"), [(0.694, "0.69"), (0.0254, "0.025"), (math.nan, "-")])
 def test_errors_for_people(error, words):
     assert metres(error) == words

@@ -40,7 +40,7 @@ def compose_article(race: str, rows: Sequence[TransferRow], pictures: Sequence[P
         f"Parameters that were tuned in the world *{home}*, and the default ones, flown in {everywhere} "
         f"with the same noise, {count(len(rows[0].flights), 'flight')} each. The error is the distance from the clocked reference; flights "
         "go on after a missed gate, to their end or to a crash. Each begins beside its reference, as far as the noise has drawn: the "
-        f"largest error is looked for from {STARTING:g} s on. *Mean* and *largest error*: of each flight; *lap*: the median of the "
+        f"largest error is looked for from {STARTING:g} s on. *Mean* and *largest error*: of each flight; *lap*: the mean of the "
         "flights that passed all gates, a dash where none did."
     )
     add_results(article, rows, pictures)
