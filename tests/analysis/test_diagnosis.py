@@ -205,6 +205,8 @@ def test_a_trial_that_held_in_no_flight_is_told_without_a_verb():
     assert further.helps
     assert further.proof == "11 of 12 flights pass gate 3 with enough of it, none of them to the end: not enough by itself"
     assert further.rank > lost.rank
+    told = further.dump()
+    assert (told["tried"], told["passed"], told["gate"], told["before"]) == ({"flights": 12, "successes": 0}, 11, "gate 3", 0)
 
 
 def test_a_cause_that_could_not_be_flown_without_is_told_before_one_that_does_not_help():

@@ -120,7 +120,8 @@ class Diagnosis(Shown):
     def dump(self) -> dict[str, Any]:
         """As plain JSON."""
         tried = None if self.tried is None else {"flights": self.tried.flights, "successes": self.tried.successes}
-        return {"cause": str(self.cause), "found": self.found, "advice": self.advice, "tried": tried, "supposed": self.supposed}
+        trial = {"tried": tried, "supposed": self.supposed, "passed": self.passed, "gate": self.gate, "before": self.before}
+        return {"cause": str(self.cause), "found": self.found, "advice": self.advice, **trial}
 
 
 def diagnose(
