@@ -35,7 +35,7 @@ def test_numbers_predictions_and_what_is_missing_are_said_and_written(hotlap, he
     ran = hotlap("identify", flight, "--quadrotor", "five-inch", "--known", "thrust", "--out", "mine.toml", "--picture", "seen.png")
     assert ran.code == 0
     first, *others = ran.out.splitlines()
-    assert first == "five-inch, from 1 log of 8 s; its thrust is taken to be right"
+    assert first == "five-inch, from 1 log of 8 s; taken to be right: its thrust"
     assert any(line.startswith("  mass") for line in others)
     assert any(line.startswith("  rate gain yaw: yaw was hardly asked to turn") for line in others)
     assert others[-2:] == ["picture written to seen.png", "wrote mine.toml; next: hotlap check mine.toml"]

@@ -1,7 +1,8 @@
 """Motor lag of a vehicle with a PID rate loop, from thrust alone.
 
 Rates tell of motors and of all that is between a stick and them. A firmware filters its gyroscope and its derivative part in ways that no
-base describes, and a fit of rates would take these for lag of the motors, too. What pushes the vehicle knows nothing of them.
+base describes, and a fit of rates would take these for lag of the motors, too. What pushes the vehicle knows nothing of them. Dead time is
+that of the rates, which tell it best.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from hotlap.identification.model import Model
 from hotlap.identification.unknowns import moved
 
 LAG = ("lag", "lag_ratio")
-OF_THRUST = ("full", "curvature", "battery", *LAG, "delay", "rotor_drag", "drag_", "body_drag_", "accelerometer_")  # beginnings of names
+OF_THRUST = ("full", "curvature", "battery", *LAG, "rotor_drag", "drag_", "body_drag_", "accelerometer_")  # beginnings of names
 FIXED = 1e-6  # standard deviation of what is not looked for
 
 
