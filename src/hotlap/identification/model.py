@@ -44,7 +44,7 @@ def with_numbers(base: Quadrotor, numbers: Numbers, *, thrust_known: bool) -> Qu
     most = numbers["full"] * mass / base.rotor_count
     change: dict[str, Any] = {
         "mass": mass,
-        "rotor_thrust": (min(base.rotor_thrust[0], RUN_UP * most), most),
+        "rotor_thrust": base.rotor_thrust if thrust_known else thrust_range(base, most),
         "motor_time": (numbers["lag"] / half, numbers["lag"] * half),
         "inflow": 0.0,
     }
@@ -55,6 +55,11 @@ def with_numbers(base: Quadrotor, numbers: Numbers, *, thrust_known: bool) -> Qu
         factors = [gain / own for gain, own in zip(gains, base.rate_gain, strict=True)]
         change["rate_loop"] = scaled(base.rate_loop, factors, numbers)
     return base.model_copy(update=change)
+
+
+def thrust_range(base: Quadrotor, most: float) -> tuple[float, float]:
+    """[N] least and largest thrust of a rotor whose largest is found: the least is the base's, unless it comes too near."""
+    return min(base.rotor_thrust[0], RUN_UP * most), most
 
 
 def scaled(loop: RateLoop, factors: Sequence[float], numbers: Numbers) -> RateLoop:
