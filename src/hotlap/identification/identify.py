@@ -121,8 +121,7 @@ def identify(
     say("fitted three quarters of the log")
     curved = _curved(models, base, evidence, first, fitted, straight=straight)
     say("looked for drag that grows with the square of the speed")
-    believed = _believed(base)
-    seen = predictions(models, curved.numbers, {**curved.numbers, **believed} if math.isfinite(voltage) else believed)
+    seen = predictions(models, curved.numbers, _believed(base))
     last = fit(models, curved.unknowns, curved.theta, [one.counts for one in evidence], rounds=2)
     say("fitted all of it")
     numbers = last.numbers
