@@ -88,3 +88,11 @@ def test_a_force_that_is_sampled_once_is_none(forced):
     log = changed(forced, acceleration=thinned(forced.signals["acceleration"], 800))
     assert lay_out(log).force is None
     assert "drag" in {one.name for one in identify([log], BASE).untold}
+
+
+def test_the_error_of_the_base_is_that_of_the_base_alone(flown):
+    """A battery that does not sag changes nothing of it, whatever the fit finds of the throttle."""
+    log = replace(flown, facts={})
+    with_battery, without = (identify([one], BASE).predictions for one in (changed(log, battery=volts(log, 15.0)), log))
+    for one, other in zip(with_battery, without, strict=True):
+        assert one.former_error == pytest.approx(other.former_error, rel=1e-9)

@@ -181,12 +181,12 @@ def carry_out(asked: Asked) -> ScoredFlight:
     seeds = flight_seeds(asked.seed, Stream.DEMONSTRATION, 0, asked.flights)
     parameters = np.repeat(_parameters(asked, scenario)[None], len(seeds), axis=0)
     simulated, scores = Objective(scenario, world).fly_recorded(parameters, seeds, log=range(min(LOGGED, len(seeds))))
-    one = replace(trace(scenario, flights, 0, FLOWN), ending=ending(scenario, flights))
+    one = replace(trace(scenario, flights, 0, FLOWN), ending=ending(scenario, flights, log, frame))
     whole = slice(0, len(seeds))
     other = trace(scenario, simulated, typical(simulated, whole), SIMULATED)
     scene = stage(scenario, (one, other), (repeat(race, flights, slice(0, 1), FLOWN), repeat(race, simulated, whole, SIMULATED)))
     efforts = effort_of(one, scenario)[0], effort_of(other, scenario)[0]
-    notes = (*log.notes, *missing(log))
+    notes = (*log.notes, *missing(log, frame))
     mine = score(flights, race.judge)
     scored = ScoredFlight(scenario, log, frame, flights, mine, simulated, scores, scene, efforts, notes, page)
     if page is not None:

@@ -14,13 +14,19 @@ from hotlap.core.records import Floats
 from hotlap.identification.ground import ground
 from hotlap.identification.held import Held
 from hotlap.identification.usable import SHORTEST, usable
-from hotlap.logs.flight_log import FlightLog, Signal
+from hotlap.logs.flight_log import GAP, FlightLog, Signal
 from hotlap.race.race import PLANT_STEP
 
 Mask = NDArray[np.bool_]
 
 FINEST = 200.0  # samples a second that are kept; more are averaged
-GAP = 0.25  # s without a sample
+COMMANDS = ("rate_command", "thrust_command")
+MADE_OF = {  # signals without which an output is not known, or not predicted
+    "rates": ("rates", *COMMANDS),
+    "force": ("acceleration", *COMMANDS, "battery", "velocity", "attitude"),
+    "velocity": ("velocity", *COMMANDS, "battery", "attitude"),
+}
+SLOW = 2.0  # s without a sample of a battery, which changes slowly, that are a gap
 SETTLING = 0.5  # s after a gap, and after the start, that do not count
 
 
@@ -103,8 +109,13 @@ def lay_out(log: FlightLog) -> Evidence:
         elif rotations is not None and "velocity" in signals:
             velocity = _within(signals["velocity"], grid)
     outputs = {"rates": rates, "force": force, "velocity": velocity}
-    gaps = np.concatenate([_gaps(signals[name]) for name in ("rates", "rate_command")] + [np.array([[start, start]]), within])
-    counts = {name: _counting(one, gaps) for name, one in outputs.items() if one is not None}
+    always = np.concatenate([[[start, start]], within])
+    counts = dict[str, Mask]()
+    for name, one in outputs.items():
+        if one is not None:
+            made_of = [signals[made] for made in MADE_OF[name] if made in signals]
+            missing = [_gaps(part, SLOW if part is signals.get("battery") else GAP, start, end) for part in made_of]
+            counts[name] = _counting(one, np.concatenate([always, *missing]))
     notes = (*left_out, *_on_the_ground(log.name, standing))
     return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts, within, notes)
 
@@ -175,11 +186,10 @@ def _motion(signals: Any, grid: Floats) -> tuple[Floats | None, Floats | None]:
     return rotations, np.einsum("kji,kj->ki", rotations, world)
 
 
-def _gaps(signal: Signal) -> Floats:
-    """Begin and end of each gap, shape (G, 2)."""
-    spans = np.diff(signal.times)
-    k = np.flatnonzero(spans > max(GAP, 5 * float(np.median(spans))))
-    return np.column_stack([signal.times[k], signal.times[k + 1]])
+def _gaps(signal: Signal, least: float, start: float, end: float) -> Floats:
+    """Begin and end of each gap between two times, shape (G, 2) [s], also where a signal begins later or ends earlier."""
+    outside = [(start, signal.times[0]), (signal.times[-1], end)]
+    return np.array([*signal.gaps(least).tolist(), *((a, b) for a, b in outside if b - a > least)], dtype=np.float64).reshape(-1, 2)
 
 
 def _counting(signal: Signal, gaps: Floats) -> Mask:
@@ -188,3 +198,9 @@ def _counting(signal: Signal, gaps: Floats) -> Mask:
     for begin, end in gaps:
         counts &= ~((signal.times >= begin) & (signal.times < end + SETTLING))
     return counts
+
+
+def stretches(counts: Mask) -> NDArray[np.int64]:
+    """The number of the stretch without a gap that each sample lies in, shape (N,), from 0 on; a gap belongs to the one before."""
+    resumed = np.concatenate([[False], counts[1:] & ~counts[:-1]])
+    return np.maximum(np.cumsum(resumed) - int(not counts[0]), 0)

@@ -128,8 +128,7 @@ def identify(
     say("fitted three quarters of the log")
     curved = with_lag_of_thrust(models, _curved(models, base, evidence, first, fitted, straight=straight, loop_known=loop_known), fitted)
     say("looked for drag that grows with the square of the speed")
-    believed = _believed(base)
-    seen = predictions(models, curved.numbers, {**curved.numbers, **believed} if math.isfinite(voltage) else believed)
+    seen = predictions(models, curved.numbers, _believed(base))
     counts = [one.counts for one in evidence]
     last = with_lag_of_thrust(models, fit(models, curved.unknowns, curved.theta, counts, rounds=2), counts)
     say("fitted all of it")

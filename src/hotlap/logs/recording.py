@@ -13,6 +13,7 @@ from hotlap.core.records import Floats
 from hotlap.logs.flight_log import COLUMNS, FlightLog, Signal
 
 DISORDER = 0.01  # share of the samples that may stand behind a later one: more are no accident
+MEASURED = ("battery", "current", "motor_speed")  # by sensors that a drone may be without: what they would tell is often logged as NaN
 EPOCH = 1e6  # s: clocks that are further on count from another year, and lose digits
 
 
@@ -61,6 +62,9 @@ class Recording:
             return
         if COLUMNS[signal] not in {0, rows.shape[1]}:
             raise self.fail(signal, f"has {rows.shape[1]} columns, not {COLUMNS[signal]}")
+        if signal in MEASURED and not np.isfinite(rows).all(axis=1).any():
+            self.note(f"{signal}: logged, but never measured")
+            return
         moments, rows = self._finite(signal, moments, rows)
         if signal == "attitude":
             moments, rows = self._turned(moments, rows)
