@@ -2,7 +2,8 @@
 
 Each world flies the suggested minute with a drone that is heavier than its pilot believes, of another drag and with dead time, with noise
 of the sensors; then every number is set beside the truth. `own` draws many drones around the five-inch, each number up to a third off, and
-counts intervals that hold the truth. Elsewhere the identified drone is asked for the same steps as the simulator's. The noise: 0.05 rad/s, 0.05 m/s, 0.01 rad in the built-in world, 0.03, 0.03 and 0.005 elsewhere.
+counts intervals that hold the truth. Elsewhere the identified drone is asked for the same steps as the
+simulator's. The noise: 0.05 rad/s, 0.05 m/s, 0.01 rad in the built-in world, 0.03, 0.03 and 0.005 elsewhere.
 """
 
 from __future__ import annotations

@@ -24,7 +24,8 @@ LAPS = 'base = "as-believed.toml"\nvehicle = "unknown.toml"\nmodel = "known.toml
 def transcript() -> ModuleType:
     """The program that reads pages."""
     spec = importlib.util.spec_from_file_location("transcript", DOCS / "transcript.py")
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = sys.modules["transcript"] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -33,15 +34,17 @@ def transcript() -> ModuleType:
 def known() -> dict[str, Quadrotor]:
     """What the controller knows, from nothing to all."""
     believed, unknown = load_quadrotor("believed.toml"), load_quadrotor("unknown.toml")
-    found = {name: hotlap.identify("flight.csv", quadrotor="believed.toml", known=name, progress=False) for name in ("mass", "mass,rate_loop")}
-    mine = found["mass,rate_loop"].quadrotor
+    mine, loop_too = (
+        hotlap.identify("flight.csv", quadrotor="believed.toml", known=known, progress=False).quadrotor
+        for known in ("mass,rate_loop", "mass")
+    )
     return {
         "what the file says": believed,
         "thrust": believed.model_copy(update={"rotor_thrust": mine.rotor_thrust}),
         "dead time": believed.model_copy(update={"delay": mine.delay}),
         "thrust and dead time": believed.model_copy(update={"rotor_thrust": mine.rotor_thrust, "delay": mine.delay}),
         "all that was identified": mine,
-        "the same, the rate loop identified, too": found["mass"].quadrotor,
+        "the same, the rate loop identified, too": loop_too,
         "the truth": unknown,
     }
 

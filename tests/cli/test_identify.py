@@ -9,6 +9,7 @@ from hotlap.files.descriptions import load_quadrotor
 from hotlap.identification.identify import identify
 from hotlap.identification.replay import replay
 from hotlap.logs.hotlap_csv import write_hotlap_csv
+from hotlap.race.hold import parse_hold
 from identification.flights import BASE, drawn
 
 
@@ -86,3 +87,24 @@ def test_bad_input_is_one_line(hotlap, arguments, message):
     assert ran.code == 2
     assert ran.err.startswith(f"hotlap: {message}")
     assert ran.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("known", "reason"),
+    [
+        ("mas", "there is no quantity named 'mas' (did you mean mass?); available: mass, rate_loop, thrust"),
+        ("mass,thrust", "a log cannot tell mass from thrust: one of the two, not both, has to be known"),
+        ("rate_loop", "a log cannot tell mass from thrust: one of the two, not both, has to be known"),
+    ],
+)
+def test_what_is_known_is_mass_or_thrust_and_perhaps_the_rate_loop(hotlap, flight, known, reason):
+    ran = hotlap("identify", flight, "--quadrotor", "five-inch", "--known", known)
+    assert (ran.code, ran.err) == (2, f"hotlap: --known: {reason}\n")
+
+
+def test_the_uncertainty_is_told_in_the_words_of_hold(hotlap, found, flight, monkeypatch):
+    monkeypatch.setattr("hotlap.api.identified.identify", lambda *_, **__: found)
+    ran = hotlap("identify", flight, "--quadrotor", "five-inch", "--json")
+    assert parse_hold(ran.document["hold"])
+    said = hotlap("identify", flight, "--quadrotor", "five-inch").out
+    assert f'--hold "{ran.document["hold"]}"' in said

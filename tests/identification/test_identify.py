@@ -9,14 +9,19 @@ import numpy as np
 import pytest
 
 from hotlap.core.errors import InputError
+from hotlap.dynamics.mixers import Mixer
 from hotlap.files.descriptions import load_quadrotor
 from hotlap.identification.identify import identify
 from hotlap.identification.quadrotor_file import quadrotor_of, text_of
+from hotlap.identification.rehearsal import rehearse
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.report.identification_chart import identification
+from hotlap.worlds.betaflight.gains import rate_loop_of
+from hotlap.worlds.plant_simulator import PlantSimulator
 from identification.flights import BASE, TOLD, WITHIN, drawn, errors
 
 SEED = 7
+PID = BASE.model_copy(update={"mixer": Mixer.BETAFLIGHT, "rate_loop": rate_loop_of(BASE)})
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +93,27 @@ def test_hover_alone_tells_no_gains_and_keeps_those_of_the_base(truth):
     assert untold["rate gain yaw"].manoeuvre.startswith("yaw doublets")
     assert quadrotor_of(quiet, "mine").rate_gain[2] == BASE.rate_gain[2]
     assert "rate gain yaw: yaw was hardly asked to turn" in text_of(quiet, "five-inch")
+
+
+@pytest.mark.check
+def test_filters_of_a_firmware_are_not_taken_for_lag_of_the_motors():
+    """The rate loop of the vehicle answers 7.5 ms later than that of its base."""
+    base = PID.model_copy(update={"delay": 0.0})
+    filtered = PID.model_copy(update={"rate_delay": 0.0075, "motor_time": (0.03, 0.04)})
+    found = identify([rehearse(PlantSimulator(filtered, PID), PID, seed=2, delay=0.03)], base)
+    numbers = {one.name: one.value for one in found.estimates}
+    assert numbers["motor lag up"] == pytest.approx(0.03, rel=0.1)
+    assert numbers["motor lag down"] == pytest.approx(0.04, rel=0.1)
+
+
+@pytest.mark.check
+def test_a_rate_loop_that_is_known_stays_as_it_is():
+    vehicle = PID.model_copy(update={"rotor_thrust": (0.1, 9.0)})
+    found = identify([rehearse(PlantSimulator(vehicle, PID), PID, seed=3, delay=0.02)], PID, loop_known=True)
+    assert not [one.name for one in found.estimates if one.name.startswith(("rate", "factor"))]
+    mine = quadrotor_of(found, "mine")
+    assert mine.rate_loop == PID.rate_loop
+    assert found.known == "mass and rate loop"
 
 
 def test_the_file_is_the_quadrotor(found, tmp_path):

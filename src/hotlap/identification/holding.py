@@ -32,13 +32,18 @@ def _shares(told: Sequence[Estimate]) -> Iterator[str]:
         ones = [one for one in told if one.name.startswith(names) and one.value > 0]
         largest = max((one.value for one in ones), default=0.0)
         offs = [max(one.high / one.value - 1, 1 - one.low / one.value) for one in ones if one.value > largest / 4]
-        if offs and (most := math.ceil(100 * max(offs))) <= MOST:
+        if offs and (most := _whole(100 * max(offs))) <= MOST:
             yield f"{quantity}=+-{most}%"
 
 
 def _delay(told: Sequence[Estimate]) -> Iterator[str]:
+    """There is none below 0."""
     for one in told:
         if one.name == "dead time":
-            low, high = (math.ceil(1e3 * abs(end - one.value)) for end in (one.low, one.high))
-            less = min(low, math.floor(1e3 * max(one.value, 0.0)))
-            yield f"{Quantity.DELAY}=+-{high}ms" if less == high else f"{Quantity.DELAY}=+{high}ms"
+            most = _whole(1e3 * max(one.high - one.value, one.value - one.low))
+            yield f"{Quantity.DELAY}=+{'-' if most <= 1e3 * one.value else ''}{most}ms"
+
+
+def _whole(number: float) -> int:
+    """Rounded up, but for errors of arithmetic."""
+    return math.ceil(round(number, 6))
