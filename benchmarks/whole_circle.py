@@ -34,10 +34,8 @@ def transcript() -> ModuleType:
 def known() -> dict[str, Quadrotor]:
     """What the controller knows, from nothing to all."""
     believed, unknown = load_quadrotor("believed.toml"), load_quadrotor("unknown.toml")
-    mine, loop_too = (
-        hotlap.identify("flight.csv", quadrotor="believed.toml", known=known, progress=False).quadrotor
-        for known in ("mass,rate_loop", "mass")
-    )
+    found = [hotlap.identify("flight.csv", quadrotor="believed.toml", known=known, progress=False) for known in ("mass,rate_loop", "mass")]
+    mine, loop_too = (one.quadrotor for one in found)
     return {
         "what the file says": believed,
         "thrust": believed.model_copy(update={"rotor_thrust": mine.rotor_thrust}),
