@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -41,10 +42,11 @@ def path_from_rest(points: Floats, yaws: tuple[float, float], speed: float, acce
     Args:
         points: shape (n, 3) [m] (world), at least one.
         yaws: [rad] at the first and at the last; it turns by the shorter way, as the drone goes.
-        speed, acceleration: [m/s], [m/s^2] at most.
+        speed: [m/s] at most.
+        acceleration: [m/s^2] at most.
         gravity: [m/s^2].
     """
-    legs = [_leg(a, b, speed, acceleration) for a, b in zip(points[:-1], points[1:], strict=True)]
+    legs = [_leg(a, b, speed, acceleration) for a, b in pairwise(points)]
     still = round(STAND / PERIOD)
     position = np.vstack([*(leg[0] for leg in legs), np.tile(points[-1], (still, 1))])
     velocity = np.vstack([*(leg[1] for leg in legs), np.zeros((still, 3))])

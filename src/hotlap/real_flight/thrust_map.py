@@ -28,7 +28,7 @@ class ThrustMap:
         with_battery: whether thrust goes with the square of the voltage; False: the autopilot makes up for it.
 
     Attributes:
-        full: [m/s^2] as it is known now, at the voltage of the last correction.
+        full: [m/s^2] as it is known now, at the first voltage that was heard.
         gain: [-] that over what the file says.
     """
 
@@ -68,11 +68,9 @@ class ThrustMap:
         """
         total, (low, high) = self.gain * gain, GAIN_LIMITS
         if not low <= total <= high:
-            raise HotlapError(
-                f"hovering takes {1 / total:.2f} times the throttle that the quadrotor's file says: is it the file of this drone?"
-            )
-        self.full, self.gain, share = self.full * gain * self._voltage_share**2, total, self._voltage_share
-        self._first_voltage *= share
+            told = f"hovering takes {1 / total:.2f} times the throttle that the quadrotor's file says" if total > 0 else "nothing hovers"
+            raise HotlapError(f"{told}: is it the file of this drone?")
+        self.full, self.gain = self.full * gain, total
 
     @property
     def hover_throttle(self) -> float:
