@@ -30,7 +30,7 @@ from hotlap.real_flight.guard import STALE, Guard, Halt, Reason
 from hotlap.real_flight.legs import Guided, Leg, Order, TakeOff
 from hotlap.real_flight.link import Link, Request, Seen, Setpoint
 from hotlap.real_flight.paths import path_from_rest, scenario_of, with_braking, yaw_of
-from hotlap.real_flight.place import Place, place_here, read_place
+from hotlap.real_flight.place import place_here, read_place
 from hotlap.real_flight.record import FlightRecord
 from hotlap.real_flight.thrust_map import ThrustMap
 from hotlap.reference.scenario import Scenario
@@ -39,13 +39,13 @@ RECEIVE = 0.02  # s of wall time between looks at what else may have happened
 MEETING, SLOWEST = 1.0, 2.5  # s over which states are counted; control periods between them at most
 ASKING = 0.5  # s between requests
 ANSWER = 8.0  # s until a request has to be fulfilled
+REFUSING = 1.5  # s for which a refusal is not taken for an answer
 IDLE = 1.2  # s of setpoints before an autopilot is asked to follow them; PX4 wants a second
 STEADY, STEADY_FOR, UNSTEADY = (0.15, 0.15), 1.5, 20.0  # (m, m/s) and s: hovering is steady; s until it has to be
 LANDING = 60.0  # s
 STOPPING, STOPPING_AGAIN = 1.0, 0.1  # s over which a stop is asked for, and between times
 TOLD = 2.0  # s between lines about how it goes
 ABOVE_GROUND = 1.5  # m of a start whose track has no floor, where the race is placed above the vehicle
-HOVERING_GAIN = (0.5, 2.0)
 
 
 class Phase(StrEnum):
@@ -239,7 +239,6 @@ class RealFlight:
         self._begin(Phase.ENGAGE)
         idle = _idle(seen)
         begun = asked = self._link.now
-        first = begun
         for state in self._states():
             if stands:
                 self._send(state, idle)
@@ -252,7 +251,7 @@ class RealFlight:
             wanted = Request.ARM if state.engaged else Request.ENGAGE
             if state.now - begun < IDLE or state.now - asked < ASKING:
                 continue
-            if self._link.refusal and asked > first:
+            if self._link.refusal and state.now - begun > IDLE + REFUSING:
                 raise Halt(Reason.REFUSED, self._link.refusal)
             if state.now - begun > ANSWER:
                 raise Halt(Reason.REFUSED, f"no answer when asked to {wanted}")

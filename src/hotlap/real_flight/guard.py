@@ -37,7 +37,7 @@ class Reason(StrEnum):
     FAULT = "hotlap failed"
 
 
-class Halt(HotlapError):
+class Halt(HotlapError):  # noqa: N818  it stops a flight, which is no error
     """A flight has to be stopped now.
 
     Args:

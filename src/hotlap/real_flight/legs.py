@@ -138,7 +138,7 @@ class TakeOff:
         return self._thrust(seen.now) >= LAST * self._gravity
 
     def effectiveness(self, seen: Seen) -> float:
-        """Thrust that acts over thrust that was asked for [-], as it lifts: under a ramp r, v = r t^2 / 2 since it was as much as the weight."""
+        """Thrust that acts over thrust that was asked for [-], as it lifts: v = r t^2 / 2 under a ramp r since it was the weight."""
         ramp = RAMP * self._gravity
         since = math.sqrt(2 * max(float(seen.state[9]), 0.0) / ramp)
         lifting = self._thrust(seen.now) - ramp * (since + self._lag + self._age)

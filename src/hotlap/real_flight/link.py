@@ -23,13 +23,20 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hotlap.core.errors import HotlapError
+from hotlap.core.errors import InputError
 
 Floats = NDArray[np.float64]
 
 
-class LinkError(HotlapError):
-    """A vehicle cannot be reached, or its link was lost for good: one line for people."""
+class LinkError(InputError):
+    """A vehicle cannot be reached, or cannot be flown: one line for people.
+
+    Args:
+        reason: with the name of the vehicle.
+    """
+
+    def __init__(self, reason: str) -> None:
+        super().__init__("", "on", reason)
 
 
 class Request(StrEnum):
