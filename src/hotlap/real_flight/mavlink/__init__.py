@@ -1,4 +1,4 @@
-"""MAVLink: PX4 and ArduPilot, told thrust and body rates (SET_ATTITUDE_TARGET); needs the package pymavlink (`pip install 'hotlap[mavlink]'`)."""
+"""MAVLink: PX4 and ArduPilot, told thrust and body rates (SET_ATTITUDE_TARGET); needs the package pymavlink, extra `mavlink`."""
 
 from __future__ import annotations
 

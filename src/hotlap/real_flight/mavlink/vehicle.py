@@ -8,8 +8,6 @@ import time
 from contextlib import suppress
 from typing import Any
 
-import numpy as np
-
 from hotlap.real_flight.link import LinkError, Request, Seen, Setpoint
 from hotlap.real_flight.mavlink.address import Address
 from hotlap.real_flight.mavlink.autopilots import (
@@ -21,7 +19,6 @@ from hotlap.real_flight.mavlink.autopilots import (
     GUIDED_OPTIONS,
     RESULTS,
     THRUST_AS_THRUST,
-    Autopilot,
 )
 from hotlap.real_flight.mavlink.clocks import FollowedClock, OffsetClock, VehicleClock
 from hotlap.real_flight.mavlink.frames import rates_told
@@ -238,7 +235,8 @@ class MavlinkVehicle:
             return f"ArduPilot on {self.name} does not tell its parameter {GUIDED_OPTIONS}, which says what thrust means to it"
         if self._states.unknown_frames:
             return f"the frames of ODOMETRY on {self.name} are not known: {self._states.unknown_frames} (MAV_FRAME); NED and FRD are"
-        return f"{self._autopilot.name} on {self.name} sends neither ODOMETRY nor LOCAL_POSITION_NED with ATTITUDE_QUATERNION: has it a position?"
+        either = "neither ODOMETRY nor LOCAL_POSITION_NED with ATTITUDE_QUATERNION"
+        return f"{self._autopilot.name} on {self.name} sends {either}: has it a position?"
 
     def _command(self, command: int, *values: float) -> None:
         self._write("command_long", *self._target, command, 0, *values, *[0.0] * (7 - len(values)))
