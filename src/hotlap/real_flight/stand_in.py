@@ -1,4 +1,4 @@
-"""Stand-in: a drone with an autopilot that is none of hotlap's, to be flown over a link before a real one is: hotlap's plant, other numbers.
+"""Stand-in: a drone with an autopilot that is none of hotlap's, to be flown over a link before a real one is: our plant, other numbers.
 
 What its file does not say and a link has to cope with: thrust that differs from that of the file, dead time, a battery that sags, and an
 autopilot with a will of its own: it arms, follows, holds, lands, and holds or lands by itself when setpoints cease.

@@ -24,7 +24,7 @@ import numpy as np
 from hotlap.core.errors import HotlapError
 from hotlap.core.records import Floats
 from hotlap.real_flight.link import Request
-from hotlap.real_flight.mavlink.address import address_of
+from hotlap.real_flight.mavlink.address import Address
 from hotlap.real_flight.mavlink.autopilots import ARDUPILOT, ARMED, AUTOPILOTS, CUSTOM, GUIDED_OPTIONS, PX4, THRUST_AS_THRUST
 from hotlap.real_flight.mavlink.frames import odometry_of, rates_told
 from hotlap.real_flight.mavlink.package import connect
@@ -32,7 +32,7 @@ from hotlap.real_flight.stand_in import Mode, StandInDrone
 from hotlap.reference.attitude import product
 
 STEP = 0.01  # s between states
-ANSWER = 10.0  # s of wall time for which lockstep waits
+ANSWER, ASK_AGAIN = 10.0, 0.2  # s of wall time for which lockstep waits, and between its questions
 MODES = {Request.ENGAGE: Mode.FOLLOW, Request.LAND: Mode.LAND, Request.HOLD: Mode.HOLD}
 UNKNOWN = [math.nan] * 21  # covariances
 
@@ -78,7 +78,7 @@ class StandIn:
     """An autopilot and its drone at the end of a MAVLink connection.
 
     Attributes:
-        address: where it talks or listens; see `address`.
+        address: where it talks or listens, as pymavlink writes it; port 0 is any that is free.
         drone: that it flies.
         weather: of the link.
         seed: of that.
@@ -110,12 +110,11 @@ class StandIn:
     path: list[tuple[float, Floats]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self._connection, self._messages = connect(address_of(self.address), 1, 1)
+        self._connection, self._messages = connect(Address(self.address, self.address), 1, 1)
         self._random = np.random.default_rng(self.seed)
         self._coming: list[tuple[float, int, Any]] = []
         self._going: list[tuple[float, int, str, tuple[Any, ...]]] = []
         self._number, self._stop, self._answered = count(), threading.Event(), 0
-        self._wanted = not self.odometry
         self._beaten = -math.inf
         self._modes, self.ended = AUTOPILOTS[self.autopilot], False
 
@@ -126,7 +125,7 @@ class StandIn:
 
     @property
     def now(self) -> float:
-        """[s]"""
+        """[s] Simulated time."""
         return self.drone.time
 
     def stop(self) -> None:
@@ -168,13 +167,16 @@ class StandIn:
 
     def _wait_for_answer(self) -> None:
         """Ask for the time; what was sent before it has been heeded when it is answered."""
-        self._answered = 0
-        self._send("timesync", 0, self._nanoseconds + 1)
-        end = time.monotonic() + ANSWER
+        self._answered, asked, begun = 0, -math.inf, time.monotonic()
         while self._answered != self._nanoseconds + 1 and not self._stop.is_set():
+            if time.monotonic() - asked > ASK_AGAIN:
+                if math.isfinite(asked) and not self.heartbeats and not self.silent:
+                    self._send(*self._heartbeat)  # who has only come now knows it by this
+                asked = time.monotonic()
+                self._send("timesync", 0, self._nanoseconds + 1)
             self._listen(0.05)
-            if time.monotonic() > end:
-                self.ended = bool(self.heartbeats)
+            if self.heartbeats and time.monotonic() - begun > ANSWER:
+                self.ended = True
                 return
 
     def _report(self) -> None:
@@ -201,9 +203,13 @@ class StandIn:
     def _beat(self) -> None:
         """HEARTBEAT: mode, and whether it is armed."""
         self._beaten = self.now
+        self._say(*self._heartbeat)
+
+    @property
+    def _heartbeat(self) -> tuple[Any, ...]:
         custom = self._modes.custom_mode({mode: request for request, mode in MODES.items()}.get(self.drone.mode, Request.HOLD))
         base = CUSTOM | (ARMED if self.drone.armed else 0)
-        self._say("heartbeat", self._messages.MAV_TYPE_QUADROTOR, self.autopilot, base, custom, self._messages.MAV_STATE_ACTIVE)
+        return "heartbeat", self._messages.MAV_TYPE_QUADROTOR, self.autopilot, base, custom, self._messages.MAV_STATE_ACTIVE
 
     def _say(self, kind: str, *values: Any) -> None:
         """Send a message as the weather lets it."""
