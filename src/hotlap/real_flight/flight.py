@@ -29,7 +29,7 @@ from hotlap.real_flight.geofence import MARGIN, Geofence, geofence_of
 from hotlap.real_flight.guard import STALE, Guard, Halt, Reason
 from hotlap.real_flight.legs import Guided, Leg, Order, TakeOff
 from hotlap.real_flight.link import Link, Request, Seen, Setpoint
-from hotlap.real_flight.paths import path_from_rest, scenario_of, with_braking, yaw_of
+from hotlap.real_flight.paths import offset_free, path_from_rest, scenario_of, with_braking, yaw_of
 from hotlap.real_flight.place import place_here, read_place
 from hotlap.real_flight.record import FlightRecord
 from hotlap.real_flight.thrust_map import ThrustMap
@@ -41,6 +41,7 @@ ASKING = 0.5  # s between requests
 ANSWER = 8.0  # s until a request has to be fulfilled
 REFUSING = 1.5  # s for which a refusal is not taken for an answer
 IDLE = 1.2  # s of setpoints before an autopilot is asked to follow them; PX4 wants a second
+HANDING_OVER = 1.0  # s for which the controller that brakes heeds that of the race
 STEADY, STEADY_FOR, UNSTEADY = (0.15, 0.15), 1.5, 20.0  # (m, m/s) and s: hovering is steady; s until it has to be
 LANDING = 60.0  # s
 STOPPING, STOPPING_AGAIN = 1.0, 0.1  # s over which a stop is asked for, and between times
@@ -135,6 +136,7 @@ class RealFlight:
         self._place = read_place(settings.origin)
         geofence_of(self._scenario.reference.position, scenario.race.track, settings.geofence, settings.margin)
         self._race = Guided(self._scenario, parameters, races=True)
+        self._braking = Guided(offset_free(self._scenario), parameters)
         self._default = scenario.space.first_guess(1)
         self._stand = self._hover_leg(self._scenario.reference.position[-1:], (yaw_of(self._scenario.reference.attitude[-1]),) * 2)
         self.thrust_map = ThrustMap(self._vehicle.max_acceleration, settings.curve, with_battery=settings.with_battery)
@@ -321,16 +323,21 @@ class RealFlight:
         )
 
     def _fly_race(self) -> None:
-        """The race, and braking."""
+        """The race; then braking, by a controller that learns, for at this speed and tilt drag presses a drone down."""
         self._begin(Phase.RACE)
-        leg = self._race
+        race, braking, end = self._race, self._braking, self._scenario.reference.duration
         for seen in self._states():
-            order = self._follow(seen, leg)
             if self.record.race_begun is None:
-                self.record.race_begun = leg.begun
+                race.begin(seen.now)
+                braking.begin(seen.now)
+                self.record.race_begun = seen.now
+            time = race.time_of(seen)
+            order = self._follow(seen, race if time < end else braking)
+            if end - HANDING_OVER <= time < end:
+                braking.heed(seen, order)
             self.guard.check_distance(seen, order.reference)
-            self._tell(seen, f"{leg.time_of(seen):.1f} of {self._scenario.reference.duration:.1f} s")
-            if leg.time_of(seen) >= leg.duration - 1.0:
+            self._tell(seen, f"{time:.1f} of {end:.1f} s" if time < end else "braking")
+            if time >= race.duration - 1.0:
                 return
 
     def _stand_still(self) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Floats
-from hotlap.flight.controller import Controller
 from hotlap.flight.observer import EFFECTIVENESS_LIMITS
+from hotlap.real_flight.heeding import HeedingController
 from hotlap.real_flight.link import Seen
 from hotlap.reference.attitude import thrust_axis
 from hotlap.reference.scenario import Scenario
@@ -66,7 +66,7 @@ class Guided:
     def __init__(self, scenario: Scenario, parameters: Parameters, *, races: bool = False) -> None:
         self.scenario, self.begun, self._races = scenario, math.nan, races
         self.duration = (len(scenario.reference.position) - 1) * scenario.reference.period
-        self._controller, self._gravity = Controller(scenario, parameters), scenario.race.control_model.gravity
+        self._controller, self._gravity = HeedingController(scenario, parameters), scenario.race.control_model.gravity
         start = np.concatenate([scenario.reference.position[0], scenario.reference.attitude[0], scenario.reference.velocity[0]])
         self._controller.command(0.0, start, 0.01)  # so that nothing is compiled, or loaded, in flight
         self._controller.reset()
@@ -93,6 +93,11 @@ class Guided:
         estimates = np.append(self._controller.thrust_effectiveness, self._controller.disturbance)
         reference, acceleration = self.reference_at(time)
         return Order(float(command[0]), command[1:], reference, acceleration, estimates, time if self._races else None)
+
+    def heed(self, seen: Seen, order: Order) -> None:
+        """One control step whose command is not flown, but that of another leg: so it knows what acts when its own turn comes."""
+        time = self.time_of(seen)
+        self._controller.heed(time, seen.state, max(seen.age, 0.0), np.array([order.thrust, *order.rates]))
 
     def reference_at(self, time: float) -> tuple[Floats, Floats]:
         """State, shape (13,), and acceleration, shape (3,) [m/s^2] (race), of the reference at a time [s]."""

@@ -67,10 +67,14 @@ def path_from_rest(points: Floats, yaws: tuple[float, float], speed: float, acce
 
 
 def scenario_of(race: Race, path: Reference) -> Scenario:
-    """A path as something to fly: with the race's controller, which learns what the thrust is worth whatever the race says."""
-    controller = race.controller.model_copy(update={"offset_free": True})
-    segments = Segments(np.zeros(1), (SegmentClass.FLAT,), path.duration)
-    return Scenario(race.model_copy(update={"controller": controller}), path, segments)
+    """A path as something to fly, with the race's controller, which learns; see `offset_free`."""
+    return offset_free(Scenario(race, path, Segments(np.zeros(1), (SegmentClass.FLAT,), path.duration)))
+
+
+def offset_free(scenario: Scenario) -> Scenario:
+    """The same with a controller that learns what thrust is worth, and what else acts, whatever the race says."""
+    controller = scenario.race.controller.model_copy(update={"offset_free": True})
+    return dataclasses.replace(scenario, race=scenario.race.model_copy(update={"controller": controller}))
 
 
 def with_braking(scenario: Scenario) -> Scenario:

@@ -31,7 +31,7 @@ from hotlap.real_flight.mavlink.package import connect
 from hotlap.real_flight.stand_in import Mode, StandInDrone
 from hotlap.reference.attitude import product
 
-STEP = 0.01  # s between states
+STEP, PERIOD = 0.0025, 0.01  # s between looks at what has arrived, and between states
 ANSWER, ASK_AGAIN = 10.0, 0.2  # s of wall time for which lockstep waits, and between its questions
 MODES = {Request.ENGAGE: Mode.FOLLOW, Request.LAND: Mode.LAND, Request.HOLD: Mode.HOLD}
 UNKNOWN = [math.nan] * 21  # covariances
@@ -115,7 +115,7 @@ class StandIn:
         self._coming: list[tuple[float, int, Any]] = []
         self._going: list[tuple[float, int, str, tuple[Any, ...]]] = []
         self._number, self._stop, self._answered = count(), threading.Event(), 0
-        self._beaten = -math.inf
+        self._beaten, self._steps = -math.inf, 0
         self._modes, self.ended = AUTOPILOTS[self.autopilot], False
 
     @property
@@ -138,28 +138,33 @@ class StandIn:
         try:
             while not self._stop.is_set() and self.now < longest and not self.ended:
                 self.each_step(self)
-                self._step()
-                if self.lockstep:
-                    self._wait_for_answer()
-                else:
+                sent = self._step()
+                if not self.lockstep:
                     self._listen(max(begun + self.now - time.monotonic(), 0.0))
+                elif sent:
+                    self._wait_for_answer()
         finally:
             self._connection.close()
 
-    def _step(self) -> None:
-        """Take what has arrived, fly on, and send what is due."""
+    def _step(self) -> bool:
+        """Take what has arrived, fly on, and send what is due; whether anything was."""
         self._listen(0.0)
         while self._coming and self._coming[0][0] <= self.now:
             self._take(heapq.heappop(self._coming)[2])
         self.drone.advance(STEP)
-        self.path.append((self.now, self.drone.state))
-        self._report()
+        self._steps += 1
+        if self._steps % round(PERIOD / STEP) == 0:
+            self.path.append((self.now, self.drone.state))
+            self._report()
+        if not self._going or self._going[0][0] > self.now:
+            return False
         if self.lockstep:
             self._send("timesync", 0, self._nanoseconds)
         while self._going and self._going[0][0] <= self.now:
             _, _, kind, values = heapq.heappop(self._going)
             if not self.silent:
                 self._send(kind, *values)
+        return True
 
     @property
     def _nanoseconds(self) -> int:
@@ -196,7 +201,7 @@ class StandIn:
             self._say("attitude_quaternion", stamp, *odometry["q"], *rates)
         if self.now - self._beaten >= 1.0 - 1e-9:
             self._beat()
-        if round(self.now / STEP) % 20 == 0:
+        if round(self.now / PERIOD) % 20 == 0:
             self._say("extended_sys_state", 0, 1 if self.drone.on_ground else 2)
             self._say("sys_status", 0, 0, 0, 0, round(1e3 * self.drone.voltage), -1, -1, 0, 0, 0, 0, 0, 0)
 
