@@ -17,6 +17,7 @@ from hotlap.reference.segments import SegmentClass, Segments
 
 BLEND = 0.6  # s from the last acceleration of the race to braking, as in a run-out
 EASING = 0.6  # s, time constant of the last of the speed
+LEVELLING = 4.0  # 1/s: damping of the way back to the height at which it began
 BRAKING_SHARE = 0.5  # of the level acceleration that the controller may command
 THRUST_SHARE = 0.9  # of the thrust that it may command
 STANDING, LONGEST = 0.02, 40.0  # m/s, s: when braking is over
@@ -114,13 +115,15 @@ def braking_of(scenario: Scenario) -> float:
 
 
 def _brake(p: Floats, v: Floats, first: Floats, h: float, most: float) -> tuple[Floats, Floats, Floats]:
-    """Positions, velocities, accelerations (world) from a motion to a stand, each of shape (rows, 3)."""
-    motion, a, k = [], first, 0
+    """Positions, velocities, accelerations (world) from a motion to a stand at the same height, each of shape (rows, 3)."""
+    motion, a, k, height = [], first, 0, p[2]
     while k * h < LONGEST and (k * h < BLEND or np.linalg.norm(v) > STANDING):
         k += 1
         share = min(k * h / BLEND, 1.0)
         share = share * share * (3 - 2 * share)  # smoothstep
-        after = (1 - share) * first - share * (v + h * a) / max(EASING, float(np.linalg.norm(v)) / most)
+        slowing = -(v + h * a) / max(EASING, float(np.linalg.norm(v)) / most)
+        slowing[2] = -((LEVELLING / 2) ** 2) * (p[2] - height) - LEVELLING * (v[2] + h * a[2])
+        after = (1 - share) * first + share * slowing
         p, v, a = p + h * v + h * h * (2 * a + after) / 6, v + h * (a + after) / 2, after  # acceleration linear in between
         motion.append((p, v, a))
     motion += [(p, np.zeros(3), np.zeros(3))] * round(STAND / h)
