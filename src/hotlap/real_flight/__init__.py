@@ -3,7 +3,7 @@
 A vehicle is named `LANGUAGE:ARGUMENT`, as in `mavlink:udpin:127.0.0.1:14540`. A language is a module of this package, listed in
 `LANGUAGES`, with
 
-    open_link(argument: str, period: float) -> Link
+    open_link(argument: str, period: float, *, mute: bool) -> Link
 
 It is imported when it is asked for, so that nobody needs the packages of a vehicle that is not flown. What a link has to do says `link`;
 what is flown with it, in which order, and what stops it is the same for all of them and stands in `flight`.
@@ -19,12 +19,13 @@ from hotlap.real_flight.link import Link
 LANGUAGES = ("mavlink",)
 
 
-def open_link(name: str, period: float) -> Link:
+def open_link(name: str, period: float, *, mute: bool = False) -> Link:
     """A link to a vehicle by its name; nothing is sent before it is opened.
 
     Args:
         name: language and argument.
         period: [s] of the control loop: how often states are wanted.
+        mute: whether it only listens: it sends heartbeats, and neither commands nor questions.
 
     Raises:
         UnknownNameError: with the languages that there are.
@@ -35,4 +36,4 @@ def open_link(name: str, period: float) -> Link:
         raise UnknownNameError("vehicle", name, tuple(f"{one}:..." for one in LANGUAGES), key="on")
     if not colon or not argument:
         raise InputError("", "on", f"{language} needs an address: {import_module(f'{__name__}.{language}').FORMS}")
-    return import_module(f"{__name__}.{language}").open_link(argument, period)
+    return import_module(f"{__name__}.{language}").open_link(argument, period, mute=mute)

@@ -18,6 +18,7 @@ from hotlap.reference.segments import SegmentClass, Segments
 BLEND = 0.6  # s from the last acceleration of the race to braking, as in a run-out
 EASING = 0.6  # s, time constant of the last of the speed
 LEVELLING = 4.0  # 1/s: damping of the way back to the height at which it began
+FALL = 5.0  # m/s^2 downwards at most
 BRAKING_SHARE = 0.5  # of the level acceleration that the controller may command
 THRUST_SHARE = 0.9  # of the thrust that it may command
 STANDING, LONGEST = 0.02, 40.0  # m/s, s: when braking is over
@@ -123,6 +124,7 @@ def _brake(p: Floats, v: Floats, first: Floats, h: float, most: float) -> tuple[
         share = share * share * (3 - 2 * share)  # smoothstep
         slowing = -(v + h * a) / max(EASING, float(np.linalg.norm(v)) / most)
         slowing[2] = -((LEVELLING / 2) ** 2) * (p[2] - height) - LEVELLING * (v[2] + h * a[2])
+        slowing[2] = min(max(slowing[2], -FALL), most)
         after = (1 - share) * first + share * slowing
         p, v, a = p + h * v + h * h * (2 * a + after) / 6, v + h * (a + after) / 2, after  # acceleration linear in between
         motion.append((p, v, a))

@@ -8,12 +8,13 @@ from hotlap.real_flight.mavlink.address import FORMS, address_of
 __all__ = ["FORMS", "open_link"]
 
 
-def open_link(argument: str, period: float) -> Link:
+def open_link(argument: str, period: float, *, mute: bool = False) -> Link:
     """A link to what listens, or talks, at an address.
 
     Args:
         argument: the address; see `address`.
         period: [s] of the control loop.
+        mute: whether it only listens.
 
     Raises:
         InputError: it is none, or pymavlink is missing.
@@ -21,4 +22,4 @@ def open_link(argument: str, period: float) -> Link:
     address = address_of(argument)
     from hotlap.real_flight.mavlink.vehicle import MavlinkVehicle  # noqa: PLC0415  it needs the package
 
-    return MavlinkVehicle(address, period)
+    return MavlinkVehicle(address, period, mute=mute)

@@ -44,6 +44,7 @@ class MavlinkVehicle:
     Args:
         address: of the vehicle.
         period: [s] of the control loop.
+        mute: whether it only listens: it sends heartbeats and nothing else.
 
     Raises:
         LinkError: the connection cannot be opened.
@@ -52,9 +53,10 @@ class MavlinkVehicle:
 
     takes_throttle = True
 
-    def __init__(self, address: Address, period: float) -> None:
+    def __init__(self, address: Address, period: float, *, mute: bool = False) -> None:
         self.name, self._period, self._follows = f"mavlink:{address.text}", period, address.follows_clock
         self.patience = PATIENCE_FOLLOWED if self._follows else PATIENCE
+        self._mute = mute
         self._connection, self._messages = connect(address, OUR_SYSTEM, OUR_COMPONENT)
         self._clock: VehicleClock = FollowedClock() if self._follows else OffsetClock()
         self._states, self._fresh = States(), list[tuple[float, Any]]()
@@ -73,14 +75,15 @@ class MavlinkVehicle:
                 hint = ": does it send to this port?" if ":udpin:" in self.name else ""
                 raise LinkError(f"no vehicle was heard on {self.name} within {wait:g} s{hint}")
         asked = -math.inf
-        while not self._fresh or (self._kind == ARDUPILOT and math.isnan(self._options)):
+        asks = self._kind == ARDUPILOT and not self._mute
+        while not self._fresh or (asks and math.isnan(self._options)):
             if time.monotonic() - asked > ASK_AGAIN:
                 asked = time.monotonic()
                 self._ask_for_messages()
             self._read(0.05)
             if time.monotonic() > end:
                 raise LinkError(self._missing())
-        if self._kind == ARDUPILOT and not int(self._options) & THRUST_AS_THRUST:
+        if asks and not int(self._options) & THRUST_AS_THRUST:
             told = f"{GUIDED_OPTIONS} is {int(self._options)}: set its bit 3 (+{THRUST_AS_THRUST})"
             raise LinkError(f"{told}, else ArduPilot takes the thrust on {self.name} for a climb rate")
         return f"{self._autopilot.name}, system {self._target[0]}, on {self.name}"
@@ -243,5 +246,7 @@ class MavlinkVehicle:
 
     def _write(self, kind: str, *values: Any) -> None:
         """Send a message; a line that is gone takes none."""
+        if self._mute and kind != "heartbeat":
+            return
         with suppress(OSError):
             getattr(self._connection.mav, f"{kind}_send")(*values)
