@@ -17,8 +17,12 @@ from hotlap.exporters.formats import FORMATS
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.goal_forms import FORMS
 
-CALLS = {"tune": hotlap.tune, "plan": hotlap.plan, "fly": hotlap.fly, "compare": hotlap.compare, "export": hotlap.export}
-REQUIRED = {"compare": ["circle-34", "--out", "c"], "export": ["study", "--format", "json"]}
+CALLS = {"tune": hotlap.tune, "plan": hotlap.plan, "fly": hotlap.fly, "compare": hotlap.compare, "export": hotlap.export, "lap": hotlap.lap}
+REQUIRED = {
+    "compare": ["circle-34", "--out", "c"],
+    "export": ["study", "--format", "json"],
+    "lap": ["circle-34", "--parameters", "study", "--on", "mavlink:udpin:127.0.0.1:14540"],
+}
 EACH = pytest.mark.parametrize("name", CALLS)
 
 

@@ -1,7 +1,7 @@
 """Real flight: the tuned controller on a real vehicle, through a link that speaks its language.
 
 A vehicle is named `LANGUAGE:ARGUMENT`, as in `mavlink:udpin:127.0.0.1:14540`. A language is a module of this package, listed in
-`LANGUAGES`, with
+`core.vehicle_names`, with
 
     open_link(argument: str, period: float, *, mute: bool) -> Link
 
@@ -14,9 +14,8 @@ from __future__ import annotations
 from importlib import import_module
 
 from hotlap.core.errors import InputError, UnknownNameError
+from hotlap.core.vehicle_names import LANGUAGES
 from hotlap.real_flight.link import Link
-
-LANGUAGES = ("mavlink",)
 
 
 def open_link(name: str, period: float, *, mute: bool = False) -> Link:
@@ -33,7 +32,7 @@ def open_link(name: str, period: float, *, mute: bool = False) -> Link:
     """
     language, colon, argument = name.partition(":")
     if language not in LANGUAGES:
-        raise UnknownNameError("vehicle", name, tuple(f"{one}:..." for one in LANGUAGES), key="on")
+        raise UnknownNameError("vehicle", name, tuple(f"{one}:ADDRESS" for one in LANGUAGES), key="on")
     if not colon or not argument:
-        raise InputError("", "on", f"{language} needs an address: {import_module(f'{__name__}.{language}').FORMS}")
+        raise InputError("", "on", f"{language} needs an address: {LANGUAGES[language]}")
     return import_module(f"{__name__}.{language}").open_link(argument, period, mute=mute)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from hotlap.real_flight.link import Link
-from hotlap.real_flight.mavlink.address import FORMS, address_of
-
-__all__ = ["FORMS", "open_link"]
+from hotlap.real_flight.mavlink.address import address_of
 
 
 def open_link(argument: str, period: float, *, mute: bool = False) -> Link:

@@ -6,8 +6,9 @@ import re
 from dataclasses import dataclass
 
 from hotlap.core.errors import InputError
+from hotlap.core.vehicle_names import LANGUAGES
 
-FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial:DEVICE:BAUD"
+FORMS = LANGUAGES["mavlink"]
 _NETWORK = re.compile(r"(udpin|udpout|tcp):([A-Za-z0-9._-]+):(\d{1,5})")
 _SERIAL = re.compile(r"serial:([^:?]+):(\d+)")
 CLOCK = "clock=vehicle"
