@@ -45,7 +45,7 @@ def test_every_option_is_an_argument_of_the_call_and_says_its_default(name):
             continue
         parameter = inspect.signature(CALLS[name]).parameters[action.dest]
         assert meanings[action.dest]
-        if parameter.default not in {parameter.empty, None, True}:
+        if parameter.default is not False and parameter.default not in {parameter.empty, None, True}:
             shown = meanings[action.dest].partition(f"; {parameter.default!r}: ")[2] or format(parameter.default, "")
             assert f"(default: {shown.removesuffix('.0')})" in (action.help or "")
 

@@ -26,7 +26,6 @@ from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.success_rate import Validation
 from hotlap.logs.hotlap_csv import read_hotlap_csv
 from hotlap.real_flight import open_link
-from hotlap.real_flight.flight import RealFlight
 from hotlap.real_flight.geofence import MARGIN
 from hotlap.real_flight.guard import Halt
 from hotlap.real_flight.link import Request
@@ -38,6 +37,8 @@ from hotlap.worlds.built_in import BuiltIn
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from hotlap.real_flight.flight import RealFlight
 
 REHEARSED, HOLDS = 100, 0.9  # flights, and the share of them that has to pass every gate
 WAIT = 10.0  # s
@@ -131,6 +132,8 @@ class LapResult(Outcome):
 
 def carry_out(asked: Asked) -> LapResult:
     """Check what was asked for, rehearse it, and fly it."""
+    from hotlap.real_flight.flight import RealFlight  # noqa: PLC0415  the flight core loads a compiler
+
     settings = _settings(asked)
     log = as_path(asked.log) or _log_name(asked)
     check_source(as_path(asked.reference))

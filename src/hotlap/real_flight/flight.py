@@ -24,8 +24,9 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Floats
 from hotlap.real_flight.course import Course
 from hotlap.real_flight.guard import Halt, Reason
-from hotlap.real_flight.legs import Guided, Order, TakeOff
+from hotlap.real_flight.legs import Guided, TakeOff
 from hotlap.real_flight.link import Link, Request, Seen
+from hotlap.real_flight.order import Order
 from hotlap.real_flight.place import Place, read_place
 from hotlap.real_flight.settings import FlightSettings, Flown, Phase
 from hotlap.real_flight.stream import Stream

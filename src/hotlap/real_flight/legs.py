@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -13,33 +12,13 @@ from hotlap.core.records import Floats
 from hotlap.flight.observer import EFFECTIVENESS_LIMITS
 from hotlap.real_flight.heeding import HeedingController
 from hotlap.real_flight.link import Seen
+from hotlap.real_flight.order import Order
 from hotlap.reference.attitude import thrust_axis
 from hotlap.reference.scenario import Scenario
 
 FIRST, LAST, RAMP = 0.3, 1.8, 0.25  # g, g, g/s: the ramp of a take-off
 LEVELLING, LARGEST_RATE = 3.0, 0.6  # 1/s, rad/s: on the ground, where a rate loop has nothing to turn
 RISEN, RISING = 0.05, 0.15  # m, m/s: a drone that has taken off
-
-
-@dataclass(frozen=True)
-class Order:
-    """A command, and what it follows.
-
-    Attributes:
-        thrust: [m/s^2] per mass.
-        rates: shape (3,) [rad/s] (body).
-        reference: shape (13,) state of the reference now (race).
-        acceleration: shape (3,) [m/s^2] (race) of the reference.
-        estimates: shape (4,) thrust effectiveness and disturbance, as the controller has them.
-        race_time: [s] since the start of the race; None elsewhere.
-    """
-
-    thrust: float
-    rates: Floats
-    reference: Floats
-    acceleration: Floats
-    estimates: Floats
-    race_time: float | None = None
 
 
 class Leg(Protocol):

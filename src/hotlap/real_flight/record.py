@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hotlap.core.records import Log
-from hotlap.real_flight.legs import Order
 from hotlap.real_flight.link import Seen
+from hotlap.real_flight.order import Order
 
 
 @dataclass

@@ -10,8 +10,9 @@ import numpy as np
 
 from hotlap.real_flight.geofence import Geofence
 from hotlap.real_flight.guard import STALE, Guard, Halt, Reason
-from hotlap.real_flight.legs import Leg, Order
+from hotlap.real_flight.legs import Leg
 from hotlap.real_flight.link import Link, Request, Seen, Setpoint
+from hotlap.real_flight.order import Order
 from hotlap.real_flight.place import Place
 from hotlap.real_flight.record import FlightRecord
 from hotlap.real_flight.thrust_map import ThrustMap
