@@ -84,11 +84,17 @@ class Course:
             raise InputError(error.source, error.key, f"{error.reason}; the vehicle is at ({place}) m") from None
         return self.hover(path, (yaw_of(state[3:7]), yaw_of(self.scenario.reference.attitude[0]))), fence
 
-    def hover(self, points: Floats, yaws: tuple[float, float]) -> Guided:
-        """Straight lines between points, shape (n, 3) [m] (race), and hovering at the last, by a controller that learns."""
+    def hover(self, points: Floats, yaws: tuple[float, float], *, learns: bool = True) -> Guided:
+        """Straight lines between points, and hovering at the last.
+
+        Args:
+            points: shape (n, 3) [m] (race).
+            yaws: [rad] at the first and at the last.
+            learns: whether the controller learns what thrust is worth; not where its commands are not flown.
+        """
         gravity = self.scenario.race.control_model.gravity
         path = path_from_rest(points, yaws, self._settings.speed, self._settings.acceleration, gravity)
-        return Guided(scenario_of(self.scenario.race, path), self._default)
+        return Guided(offset_free(scenario_of(self.scenario.race, path), on=learns), self._default)
 
     def _fence(self, path: Floats) -> Geofence:
         return geofence_of(path, self.scenario.race.track, self._settings.geofence, self._settings.margin)

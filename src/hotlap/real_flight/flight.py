@@ -27,6 +27,7 @@ from hotlap.real_flight.guard import Halt, Reason
 from hotlap.real_flight.legs import Guided, TakeOff
 from hotlap.real_flight.link import Link, Request, Seen
 from hotlap.real_flight.order import Order
+from hotlap.real_flight.paths import yaw_of
 from hotlap.real_flight.place import Place, read_place
 from hotlap.real_flight.settings import FlightSettings, Flown, Phase
 from hotlap.real_flight.stream import Stream
@@ -40,7 +41,7 @@ IDLE = 1.2  # s of setpoints before an autopilot is asked to follow them; PX4 wa
 HANDING_OVER = 1.0  # s for which the controller that brakes heeds that of the race
 STEADY, STEADY_FOR, UNSTEADY = (0.15, 0.15), 1.5, 20.0  # (m, m/s) and s: hovering is steady; s until it has to be
 STANDING = 1.0  # s at the end of braking
-LANDING = 60.0  # s
+LANDING, LANDED = 60.0, 5.0  # s: until it has landed; on the ground, where it has not disarmed
 TOLD = 2.0  # s between lines about how it goes
 NOTHING = np.array([1.0, 0.0, 0.0, 0.0])  # estimates of who estimates nothing
 
@@ -112,7 +113,7 @@ class RealFlight:
         try:
             self._say(f"found {self._link.open(self._settings.wait)}")
             seen = self._meet()
-            here = self._course.hover(seen.state[None, :3], (0.0, 0.0))
+            here = self._course.hover(seen.state[None, :3], (yaw_of(seen.state[3:7]),) * 2, learns=False)
             begun, self._spoke = seen.now, -math.inf
             for state in self.stream.states():
                 order = here.order(state)
@@ -290,9 +291,10 @@ class RealFlight:
         """
         self._begin(Phase.LAND)
         self.stream.guard.engaged = self.stream.guard.armed = False
-        begun, asked = self._link.now, -math.inf
+        begun, asked, landed = self._link.now, -math.inf, math.inf
         for seen in self.stream.states():
-            if not seen.armed or (seen.on_ground and not seen.engaged):
+            landed = min(landed, seen.now) if seen.on_ground else math.inf
+            if not seen.armed or seen.now - landed > LANDED:
                 return
             if seen.engaged and seen.now - asked >= ASKING:
                 self._link.request(Request.LAND)

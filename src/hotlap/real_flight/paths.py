@@ -69,13 +69,13 @@ def path_from_rest(points: Floats, yaws: tuple[float, float], speed: float, acce
 
 
 def scenario_of(race: Race, path: Reference) -> Scenario:
-    """A path as something to fly, with the race's controller, which learns; see `offset_free`."""
-    return offset_free(Scenario(race, path, Segments(np.zeros(1), (SegmentClass.FLAT,), path.duration)))
+    """A path as something to fly, with the race's controller."""
+    return Scenario(race, path, Segments(np.zeros(1), (SegmentClass.FLAT,), path.duration))
 
 
-def offset_free(scenario: Scenario) -> Scenario:
-    """The same with a controller that learns what thrust is worth, and what else acts, whatever the race says."""
-    controller = scenario.race.controller.model_copy(update={"offset_free": True})
+def offset_free(scenario: Scenario, *, on: bool = True) -> Scenario:
+    """The same with a controller that learns what thrust is worth and what else acts, or with one that does not."""
+    controller = scenario.race.controller.model_copy(update={"offset_free": on})
     return dataclasses.replace(scenario, race=scenario.race.model_copy(update={"controller": controller}))
 
 

@@ -84,6 +84,11 @@ class StandInDrone:
         """Whether it stands."""
         return bool(self.state[2] <= self.ground + 0.01)
 
+    def hover(self, place: Floats) -> None:
+        """Put it into the air at a place, shape (3,) [m], where it holds itself."""
+        self.armed, self.mode, self._place = True, Mode.HOLD, np.array(place, dtype=np.float64)
+        self._put(np.concatenate([self._place, level(self.yaw), np.zeros(6)]))
+
     def told(self, throttle: float, rates: Floats) -> None:
         """A setpoint has come: throttle [-] and body rates, shape (3,) [rad/s]."""
         self.last_setpoint = self.time
