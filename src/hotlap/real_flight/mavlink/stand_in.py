@@ -90,6 +90,7 @@ class StandIn:
         each_step: called with itself before each step; it may change anything.
         silent: whether it sends nothing but the questions of lockstep.
         setpoints, heartbeats, requests: what has come: (time [s], what) each.
+        heard: the kinds of all messages that have come.
         path: times and true states of each step.
     """
 
@@ -107,6 +108,7 @@ class StandIn:
     setpoints: list[Told] = field(default_factory=list)
     heartbeats: list[float] = field(default_factory=list)
     requests: list[tuple[float, str]] = field(default_factory=list)
+    heard: set[str] = field(default_factory=set)
     path: list[tuple[float, Floats]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -244,6 +246,7 @@ class StandIn:
 
     def _hear(self, message: Any) -> None:
         """Questions and answers about the time at once, everything else with the weather."""
+        self.heard.add(message.get_type())
         if message.get_type() == "TIMESYNC":
             if message.tc1:
                 self._answered = message.ts1
