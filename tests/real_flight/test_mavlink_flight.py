@@ -136,6 +136,7 @@ def test_a_mute_link_sends_heartbeats_alone():
     assert (stand_in.setpoints, stand_in.requests, stand_in.heard - {"HEARTBEAT"}) == ([], [], set())
 
 
+@pytest.mark.check
 def test_two_flights_in_the_same_weather_are_the_same():
     def commands():
         with serving(weather=WEATHER, seed=7, airborne=True, each_step=stop_soon) as stand_in:

@@ -171,7 +171,10 @@ def test_an_address_is_understood_with_whose_clock_counts(text):
         ("mavlink:udpin:127.0.0.1:99999", "has no port from 1 to 65535"),
         ("mavlink:udpin:127.0.0.1:1?fast", r"has an option that is not known: there is \?clock=vehicle"),
         ("mavlnk:udpin:127.0.0.1:1", "there is no vehicle named 'mavlnk:udpin:127.0.0.1:1'"),
-        ("mavlink:serial:/dev/there-is-none:57600", "mavlink:serial:/dev/there-is-none:57600 cannot be opened: "),
+        (
+            "mavlink:serial:/dev/there-is-none:57600",
+            "there-is-none:57600 (cannot be opened|needs the package pyserial): ",
+        ),
         ("mavlink:tcp:127.0.0.1:1", "mavlink:tcp:127.0.0.1:1 cannot be opened: Connection refused"),
     ],
 )

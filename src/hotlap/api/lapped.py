@@ -165,23 +165,26 @@ def _fly(flight: RealFlight, scenario: Scenario, log: Path) -> LapResult:
     try:
         flown = flight.fly()
     except BaseException as error:
-        if flight.stream.record.seen:
-            _write(log, flight, scenario)
-            error.add_note(f"the vehicle was asked to stop; its flight is in {log}")
+        if flight.phase is not Phase.MEET:
+            written = "; its flight is in " + str(log) if _write(log, flight, scenario) else ""
+            error.add_note(f"the vehicle was asked to {flight.settings.on_stop}{written}")
         raise
     if flown.halt is not None and flown.phase in {Phase.MEET, Phase.ENGAGE}:
         raise InputError("", "on", f"{flown.vehicle}: {flown.halt}")
-    _write(log, flight, scenario)
+    written = _write(log, flight, scenario)
     if flown.record.race_begun is None or flown.record.log(1).times[-1] <= 0:
-        return LapResult(scenario, flown.vehicle, flown, log=log)
+        return LapResult(scenario, flown.vehicle, flown, log=log if written else None)
     read = read_hotlap_csv(log)
     flights = judge_log(read, scenario, find_frame(read, scenario))
     return LapResult(scenario, flown.vehicle, flown, flights, score(flights, scenario.race.judge), log)
 
 
-def _write(log: Path, flight: RealFlight, scenario: Scenario) -> None:
-    if len(flight.stream.record.seen) >= LEAST_ROWS:
+def _write(log: Path, flight: RealFlight, scenario: Scenario) -> bool:
+    """Write the log of what was flown, if that is anything; whether it is."""
+    flown = len(flight.stream.record.seen) >= LEAST_ROWS
+    if flown:
         write_log(log, flight.stream.record.log(scenario.race.vehicle.rotor_count))
+    return flown
 
 
 def _settings(asked: Asked) -> FlightSettings:

@@ -57,6 +57,7 @@ class RealFlight:
         say: is told how it goes.
 
     Attributes:
+        settings: how.
         phase: what is being done.
         stream: states and commands.
         thrust_map: what hovering has taught.
@@ -69,7 +70,7 @@ class RealFlight:
         self, link: Link, scenario: Scenario, parameters: Parameters, settings: FlightSettings, say: Callable[[str], None] = lambda _: None
     ) -> None:
         model, self._period = scenario.race.control_model, scenario.race.controller.period
-        self._link, self._settings, self._say, self._race = link, settings, say, scenario.race
+        self._link, self.settings, self._say, self._race = link, settings, say, scenario.race
         self._place, self._course = read_place(settings.origin), Course(scenario, parameters, settings)
         self.thrust_map = ThrustMap(model.max_acceleration, settings.curve, with_battery=settings.with_battery)
         self.phase, self.stream = Phase.MEET, Stream(link, self._period, self.thrust_map, self._place or Place(np.zeros(3)))
@@ -85,7 +86,7 @@ class RealFlight:
         """
         halt, vehicle = None, ""
         try:
-            vehicle = self._link.open(self._settings.wait)
+            vehicle = self._link.open(self.settings.wait)
             self._say(f"found {vehicle}")
             try:
                 self._fly()
@@ -111,7 +112,7 @@ class RealFlight:
             Halt: a limit is passed, at which a flight would be stopped.
         """
         try:
-            self._say(f"found {self._link.open(self._settings.wait)}")
+            self._say(f"found {self._link.open(self.settings.wait)}")
             seen = self._meet()
             here = self._course.hover(seen.state[None, :3], (yaw_of(seen.state[3:7]),) * 2, learns=False)
             begun, self._spoke = seen.now, -math.inf
@@ -130,7 +131,7 @@ class RealFlight:
     def _fly(self) -> None:
         """All phases in order."""
         seen = self._meet()
-        if not seen.armed and not self._settings.arm:
+        if not seen.armed and not self.settings.arm:
             raise InputError("", "arm", f"{self._link.name} is not armed, and hotlap arms it only when that is asked for")
         approach, self.stream.guard.geofence = self._course.approach(seen.state, stands=_stands(seen))
         self.stream.guard.farthest = self._race.judge.crash
@@ -154,7 +155,7 @@ class RealFlight:
             Halt: there are none.
         """
         counted: list[Seen] = []
-        for seen in self.stream.received(self._settings.wait + MEETING, math.inf):
+        for seen in self.stream.received(self.settings.wait + MEETING, math.inf):
             counted.append(seen)
             if seen.time - counted[0].time >= MEETING:
                 break
@@ -191,7 +192,7 @@ class RealFlight:
                 raise Halt(Reason.REFUSED, self._link.refusal)
             if state.now - begun > ANSWER:
                 raise Halt(Reason.REFUSED, f"no answer when asked to {wanted}")
-            if wanted is Request.ARM and not self._settings.arm:
+            if wanted is Request.ARM and not self.settings.arm:
                 raise Halt(Reason.DISARMED, "and hotlap arms only when that is asked for")
             self._link.request(wanted)
             asked = state.now
@@ -317,8 +318,8 @@ class RealFlight:
         """Ask the vehicle to stop, unless nothing was begun or it is not ours."""
         if self.phase is Phase.MEET or reason in {Reason.TAKEN_OVER, Reason.DISARMED}:
             return
-        self._say(f"stopping: {self._settings.on_stop}")
-        self.stream.stop(self._settings.on_stop)
+        self._say(f"stopping: {self.settings.on_stop}")
+        self.stream.stop(self.settings.on_stop)
 
 
 def _stands(seen: Seen) -> bool:

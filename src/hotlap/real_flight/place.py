@@ -33,6 +33,9 @@ class Place:
     def seen(self, seen: Seen) -> Seen:
         """What was seen, in the world of the race."""
         state = seen.state.copy()
+        if not self.yaw:
+            state[:3] -= self.origin
+            return dataclasses.replace(seen, state=state)
         state[:3] = self._turned(seen.state[:3] - self.origin, -self.yaw)
         state[3:7] = product(level(-self.yaw)[None], seen.state[None, 3:7])[0]
         state[7:10] = self._turned(seen.state[7:10], -self.yaw)
@@ -41,6 +44,9 @@ class Place:
     def told(self, state: Floats) -> Floats:
         """A state of the race, shape (13,), in the vehicle's world."""
         told = state.copy()
+        if not self.yaw:
+            told[:3] += self.origin
+            return told
         told[:3] = self._turned(state[:3], self.yaw) + self.origin
         told[3:7] = product(level(self.yaw)[None], state[None, 3:7])[0]
         told[7:10] = self._turned(state[7:10], self.yaw)

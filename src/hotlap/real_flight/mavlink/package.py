@@ -47,6 +47,8 @@ def connect(address: Address, system: int, component: int) -> tuple[Any, ModuleT
             connection = module.mavlink_connection(
                 address.device, source_system=system, source_component=component, dialect=DIALECT, retries=0, **options
             )
+    except ModuleNotFoundError as error:
+        raise InputError("", "on", f"mavlink:{address.text} needs the package py{error.name}: pip install 'hotlap[mavlink]'") from None
     except Exception as error:  # noqa: BLE001  of sockets, of serial lines, of the package itself
         reason = getattr(error, "strerror", None) or " ".join(str(error).split()) or type(error).__name__
         raise LinkError(f"mavlink:{address.text} cannot be opened: {reason}") from None
