@@ -131,7 +131,7 @@ class Link(Protocol):
         ...
 
     def receive(self, wait: float) -> Seen | None:
-        """The next state that is newer than the last one; None where there is none within so many seconds of wall time.
+        """The next state that is newer than the last one; None where there is none within so many seconds, of wall time or the vehicle's.
 
         Whatever else has come is heeded, heartbeats are sent, and questions are answered meanwhile.
         """

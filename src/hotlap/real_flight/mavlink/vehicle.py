@@ -90,10 +90,10 @@ class MavlinkVehicle:
 
     def receive(self, wait: float) -> Seen | None:
         """The next state; in real time the newest of those that have come."""
-        end = time.monotonic() + wait
+        end, begun = time.monotonic() + wait, self._clock.now()
         while not self._fresh:
             left = end - time.monotonic()
-            if left < 0:
+            if left < 0 or self._clock.now() - begun > wait:
                 return None
             self._read(left)
         while not self._follows and self._read(0.0):
