@@ -46,7 +46,8 @@ class Course:
         self._fence(reference.position)
         self.race = Guided(self.scenario, parameters, races=True)
         self.braking = Guided(offset_free(self.scenario), parameters)
-        self.stand = self.hover(reference.position[-1:], (yaw_of(reference.attitude[-1]),) * 2)
+        heading = yaw_of(reference.attitude[-1])
+        self.stand = self.hover(reference.position[-1:], (heading, heading))
 
     @property
     def start(self) -> Floats:

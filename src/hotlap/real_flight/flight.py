@@ -114,7 +114,8 @@ class RealFlight:
         try:
             self._say(f"found {self._link.open(self.settings.wait)}")
             seen = self._meet()
-            here = self._course.hover(seen.state[None, :3], (yaw_of(seen.state[3:7]),) * 2, learns=False)
+            heading = yaw_of(seen.state[3:7])
+            here = self._course.hover(seen.state[None, :3], (heading, heading), learns=False)
             begun, self._spoke = seen.now, -math.inf
             for state in self.stream.states():
                 order = here.order(state)
