@@ -81,7 +81,7 @@ class DirectLink:
         self.drone, self._script = drone, script
         self.states = self.speaks = self.there = True
         self.follows, self.period, self.shift = False, STEP, np.zeros(3)
-        self.refuses, self.refusal, self.closed = "", "", False
+        self.refuses, self.refusal, self.remark, self.closed = "", "", "", False
         self.sent: list[tuple[float, Setpoint, np.ndarray]] = []
         self.requests: list[tuple[float, Request]] = []
         self._heard = 0.0

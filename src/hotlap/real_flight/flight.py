@@ -165,6 +165,8 @@ class RealFlight:
         seen = counted[-1]
         battery = f", battery {seen.voltage:.1f} V" if math.isfinite(seen.voltage) else ""
         self._say(f"{1 / spacing:.0f} states a second, {1e3 * age:.0f} ms old{battery}")
+        if self._link.remark:
+            self._say(f"note: {self._link.remark}")
         if spacing > SLOWEST * self._period:
             needed = f"{1 / self._period:.0f} are wanted (controller.period), {1 / (SLOWEST * self._period):.0f} are needed"
             raise InputError("", "on", f"{self._link.name} sends {1 / spacing:.0f} states in a second: {needed}")
@@ -226,22 +228,24 @@ class RealFlight:
             Halt: it does not become steady, or its thrust is not that of the file.
         """
         self._begin(Phase.APPROACH)
-        since, thrusts = math.inf, list[float]()
+        since, first, thrusts = self._link.now, 0.0, list[float]()
         for seen in self.stream.states():
             order = self.stream.follow(seen, leg)
             self.stream.guard.check_distance(seen, order.reference)
             distance, speed = (float(np.linalg.norm(part)) for part in (seen.state[:3] - self._course.start, seen.state[7:10]))
             self._tell(seen, f"{distance:.2f} m from the start, {speed:.2f} m/s")
             if distance > STEADY[0] or speed > STEADY[1]:
-                since, thrusts = math.inf, []
+                thrusts = []
                 if leg.time_of(seen) > leg.duration + UNSTEADY:
                     raise Halt(Reason.UNSTEADY, f"{distance:.2f} m from it, with {speed:.2f} m/s, after {UNSTEADY:.0f} s")
                 continue
-            since = min(since, seen.now)
+            if not thrusts:
+                since, first = seen.now, float(seen.state[9])
             thrusts.append(order.thrust * _uprightness(seen.state))
             if seen.now - since >= STEADY_FOR:
                 break
-        self._learn(self._race.control_model.gravity / float(np.mean(thrusts)))
+        acted = self._race.control_model.gravity + (float(seen.state[9]) - first) / (seen.now - since)
+        self._learn(acted / float(np.mean(thrusts)))
         throttle, gain = 100 * self.thrust_map.hover_throttle, self.thrust_map.gain
         self._say(f"hovers with {throttle:.0f} % of the throttle: thrust is {gain:.2f} of the file's")
 

@@ -148,6 +148,11 @@ class Link(Protocol):
         ...
 
     @property
+    def remark(self) -> str:
+        """What is worth knowing about it once states have come, such as ages that cannot be told; "" where there is nothing."""
+        ...
+
+    @property
     def refusal(self) -> str:
         """Why the vehicle has refused the last request, in words; "" where it has not."""
         ...

@@ -116,6 +116,13 @@ class MavlinkVehicle:
         return max(now - self._heard, without)
 
     @property
+    def remark(self) -> str:
+        """Whether ages are known."""
+        if self._mute or not isinstance(self._clock, OffsetClock) or self._clock.is_synchronised:
+            return ""
+        return "TIMESYNC is not answered: how old states are is not known, those that come earliest count as fresh"
+
+    @property
     def refusal(self) -> str:
         """What COMMAND_ACK said to the last request, and the last complaint of the autopilot."""
         return f"{self._refusal}{f' ({self._complaint})' if self._complaint else ''}" if self._refusal else ""
