@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 
 import numpy as np
@@ -85,6 +86,10 @@ class DirectLink:
         self.sent: list[tuple[float, Setpoint, np.ndarray]] = []
         self.requests: list[tuple[float, Request]] = []
         self._heard = 0.0
+        self.prepared = (np.empty(0), np.empty((0, 13)))
+
+    def prepare(self, times: np.ndarray, states: np.ndarray) -> None:
+        self.prepared = times, states
 
     def open(self, wait: float) -> str:
         if not self.there:
@@ -127,3 +132,28 @@ class DirectLink:
 
     def close(self) -> None:
         self.closed = True
+
+
+class PuppetLink(DirectLink):
+    """A vehicle that is told a full state, and is there at once."""
+
+    takes_throttle = False
+
+    def __init__(self, drone: StandInDrone) -> None:
+        super().__init__(drone)
+        self.state, self.armed, self.engaged = drone.state, False, False
+
+    def receive(self, wait: float) -> Seen | None:
+        seen = super().receive(wait)
+        assert seen is not None
+        return dataclasses.replace(seen, state=self.state, armed=self.armed, engaged=self.engaged, on_ground=not self.armed)
+
+    def send(self, setpoint: Setpoint) -> None:
+        self.sent.append((self.drone.time, setpoint, self.state))
+        if self.armed:
+            self.state = setpoint.reference
+
+    def request(self, request: Request) -> None:
+        self.requests.append((self.drone.time, request))
+        self.engaged = request in {Request.ENGAGE, Request.ARM}
+        self.armed = request is Request.ARM

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 import time
 
 import numpy as np
@@ -15,13 +16,13 @@ from hotlap.core.errors import InputError
 from hotlap.core.records import End
 from hotlap.logs.hotlap_csv import read_hotlap_csv
 from hotlap.real_flight import flight as flight_loop
-from hotlap.real_flight import stream
+from hotlap.real_flight import speaker, stream
 from hotlap.real_flight.flight import RealFlight
 from hotlap.real_flight.guard import Reason
 from hotlap.real_flight.link import LinkError, Request
 from hotlap.real_flight.settings import FlightSettings, Phase
 from hotlap.real_flight.stand_in import Mode
-from real_flight.hangar import DirectLink, make_drone, make_scenario
+from real_flight.hangar import DirectLink, PuppetLink, make_drone, make_scenario
 
 SCENARIO = make_scenario()
 PARAMETERS = SCENARIO.space.first_guess(1)
@@ -186,6 +187,31 @@ def test_a_race_begins_above_where_the_vehicle_stands_and_turned_as_it_is():
     assert start[:3] == pytest.approx([0.0, 0.0, 1.0], abs=0.1)
     away = [np.linalg.norm(setpoint.reference[:3] - state[:3]) for _, setpoint, state in link.sent if setpoint.race_time]
     assert max(away) < 1.0  # in the vehicle's own world
+
+
+def test_a_vehicle_that_takes_a_full_state_is_told_the_reference_and_the_race_beforehand():
+    link = PuppetLink(make_drone(SCENARIO))
+    flown = flight(link, arm=True, origin="3,4,0,90").fly()
+    assert (flown.halt, flown.gain, flown.phase) == (None, 1.0, Phase.LAND)
+    assert all(np.isnan(setpoint.throttle) for _, setpoint, _ in link.sent)
+    times, states = link.prepared
+    racing = [setpoint for _, setpoint, _ in link.sent if setpoint.race_time is not None]
+    for setpoint in racing[:: len(racing) // 5]:
+        there = [np.interp(setpoint.race_time, times, column) for column in states[:, :3].T]
+        assert setpoint.reference[:3] == pytest.approx(there, abs=1e-6)
+    assert states[0, :3] == pytest.approx([3.0, 4.0, 1.0])
+
+
+def test_a_terminal_that_takes_no_line_does_not_hold_up_a_flight(monkeypatch):
+    monkeypatch.setattr(speaker, "PATIENCE", 0.01)
+    stuck, said = threading.Event(), []
+    with speaker.Speaker(lambda line: (stuck.wait(10.0), said.append(line))) as say:
+        say("first")
+        say("second")
+    assert said == []
+    stuck.set()
+    say._thread.join()
+    assert said == ["first", "second"]
 
 
 def test_looking_sends_nothing():

@@ -30,6 +30,7 @@ from hotlap.real_flight.geofence import MARGIN
 from hotlap.real_flight.guard import Halt
 from hotlap.real_flight.link import Request
 from hotlap.real_flight.settings import FlightSettings, Flown, Phase
+from hotlap.real_flight.speaker import Speaker
 from hotlap.reference.scenario import Scenario
 from hotlap.tuning.objective import Objective
 from hotlap.tuning.scoring import score
@@ -146,18 +147,20 @@ def carry_out(asked: Asked) -> LapResult:
         parameters = _parameters(asked, scenario)
         if asked.rehearsal:
             _rehearse(scenario, parameters, asked.progress)
+        speaker = Speaker(asked.progress.note)
         with asked.progress.working("making the controller ready"):
-            flight = RealFlight(link, scenario, parameters, settings, asked.progress.note)
+            flight = RealFlight(link, scenario, parameters, settings, speaker)
     except BaseException:
         link.close()
         raise
-    if asked.dry_run:
+    with speaker:
+        if not asked.dry_run:
+            return _fly(flight, scenario, log)
         try:
             flight.look(LOOKING)
         except Halt as halt:
             raise InputError("", "on", f"{link.name}: {halt}") from None
         return LapResult(scenario, link.name, None)
-    return _fly(flight, scenario, log)
 
 
 def _fly(flight: RealFlight, scenario: Scenario, log: Path) -> LapResult:

@@ -137,8 +137,11 @@ class RealFlight:
         approach, self.stream.guard.geofence = self._course.approach(seen.state, stands=_stands(seen))
         self.stream.guard.farthest = self._race.judge.crash
         self._say(f"geofence {self.stream.guard.geofence.words}")
+        reference = self._course.scenario.reference
+        states = np.hstack([reference.position, reference.attitude, reference.velocity, reference.rates])
+        self._link.prepare(reference.times, self.stream.place.told_all(states))
         self._engage(seen, approach)
-        if _stands(seen):
+        if _stands(seen) and self._link.takes_throttle:
             self._take_off(seen, approach)
         self._approach(approach)
         self._fly_race()
@@ -182,6 +185,7 @@ class RealFlight:
         """
         self._begin(Phase.ENGAGE)
         idle, stands, guard = Order(0.0, np.zeros(3), seen.state, np.zeros(3), NOTHING), _stands(seen), self.stream.guard
+        guard.armed = not stands
         begun = asked = self._link.now
         for state in self.stream.states():
             self.stream.send(state, idle if stands else approach.order(state))

@@ -9,8 +9,8 @@ alone. Wall time decides about one thing: how long nothing at all may be heard. 
 time, and the same flight comes out whatever else the machine does.
 
 A vehicle that takes thrust and rates is told `throttle` and `rates` of a setpoint; one that takes a full state is told its
-`reference`. One that flies an uploaded trajectory begins it with the first setpoint whose `race_time` is not None, and heeds none
-after it but the end of them.
+`reference`. One that flies an uploaded trajectory is told it by `prepare`, begins it with the first setpoint whose `race_time` is not None,
+and heeds of those that follow only that they come.
 """
 
 from __future__ import annotations
@@ -155,6 +155,15 @@ class Link(Protocol):
     @property
     def refusal(self) -> str:
         """Why the vehicle has refused the last request, in words; "" where it has not."""
+        ...
+
+    def prepare(self, times: Floats, states: Floats) -> None:
+        """Take in what the race is going to be, before the vehicle is engaged; nothing to do for one that follows setpoints.
+
+        Args:
+            times: shape (rows,) [s] since the start of the race, braking included.
+            states: shape (rows, 13) of the reference then, in the vehicle's own world.
+        """
         ...
 
     def send(self, setpoint: Setpoint) -> None:

@@ -52,6 +52,10 @@ class Place:
         told[7:10] = self._turned(state[7:10], self.yaw)
         return told
 
+    def told_all(self, states: Floats) -> Floats:
+        """States of the race, shape (n, 13), in the vehicle's world."""
+        return np.array([self.told(state) for state in states])
+
     def turned(self, vector: Floats) -> Floats:
         """A vector of the race, shape (3,), in the vehicle's world."""
         return self._turned(vector, self.yaw)

@@ -8,6 +8,7 @@ import time
 from contextlib import suppress
 from typing import Any
 
+from hotlap.core.records import Floats
 from hotlap.real_flight.link import LinkError, Request, Seen, Setpoint
 from hotlap.real_flight.mavlink.address import Address
 from hotlap.real_flight.mavlink.autopilots import (
@@ -126,6 +127,9 @@ class MavlinkVehicle:
     def refusal(self) -> str:
         """What COMMAND_ACK said to the last request, and the last complaint of the autopilot."""
         return f"{self._refusal}{f' ({self._complaint})' if self._complaint else ''}" if self._refusal else ""
+
+    def prepare(self, times: Floats, states: Floats) -> None:
+        """Nothing: it follows setpoints."""
 
     def send(self, setpoint: Setpoint) -> None:
         """SET_ATTITUDE_TARGET with rates and thrust."""
