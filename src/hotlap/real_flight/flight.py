@@ -221,9 +221,9 @@ class RealFlight:
                 approach.begin(state.now)
                 self.stream.follow(state, approach)
                 return
-            order = self.stream.follow(state, leg)
+            throttle = self.stream.send(state, leg.order(state))  # not recorded: the ground carries it
             if leg.has_failed(state):
-                raise Halt(Reason.NOT_LIFTED, f"with {100 * self.stream.throttle(order):.0f} % of the throttle")
+                raise Halt(Reason.NOT_LIFTED, f"with {100 * throttle:.0f} % of the throttle")
 
     def _approach(self, leg: Guided) -> None:
         """Fly to the start, and hover there until that is steady; learn what thrust is worth.
