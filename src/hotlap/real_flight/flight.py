@@ -247,9 +247,9 @@ class RealFlight:
                 since, first = seen.now, float(seen.state[9])
             thrusts.append(order.thrust * _uprightness(seen.state))
             if seen.now - since >= STEADY_FOR:
+                acted = self._race.control_model.gravity + (float(seen.state[9]) - first) / (seen.now - since)
+                self._learn(acted / float(np.mean(thrusts)))
                 break
-        acted = self._race.control_model.gravity + (float(seen.state[9]) - first) / (seen.now - since)
-        self._learn(acted / float(np.mean(thrusts)))
         throttle, gain = 100 * self.thrust_map.hover_throttle, self.thrust_map.gain
         self._say(f"hovers with {throttle:.0f} % of the throttle: thrust is {gain:.2f} of the file's")
 
