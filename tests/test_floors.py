@@ -17,7 +17,7 @@ FLOORS = (  # from the ground up: packages of one floor do not know each other
     {"files", "flight"},
     {"reference_files"},
     {"planning", "feasibility", "worlds", "tuners", "logs"},
-    {"tuning", "first_guess", "importers", "identification"},
+    {"tuning", "first_guess", "importers", "identification", "real_flight"},
     {"study", "optuna", "gym"},
     {"analysis", "exporters"},
     {"report"},

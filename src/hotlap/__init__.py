@@ -8,7 +8,7 @@ the result, and writes a page about it:
     tuned = hotlap.tune("circle-34", out="runs/mine")
     tuned.confirmed, tuned.validation, tuned.values, tuned.report
 
-`hotlap.check`, `identify`, `plan`, `fly`, `score`, `transfer`, `compare` and `export` do likewise. The pieces of which they are
+`hotlap.check`, `identify`, `plan`, `fly`, `lap`, `score`, `transfer`, `compare` and `export` do likewise. The pieces of which they are
 made are reached by package:
 
     from hotlap import tuners
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from hotlap.api.exporting import export
     from hotlap.api.flying import fly
     from hotlap.api.identifying import identify
+    from hotlap.api.lapping import lap
     from hotlap.api.planning import plan
     from hotlap.api.scoring import score
     from hotlap.api.transferring import transfer
@@ -60,6 +61,7 @@ __all__ = [
     "export",
     "fly",
     "identify",
+    "lap",
     "load_parameters",
     "load_race",
     "plan",
@@ -74,6 +76,7 @@ _HOMES = {
     "api.exporting": ("export",),
     "api.flying": ("fly",),
     "api.identifying": ("identify",),
+    "api.lapping": ("lap",),
     "api.planning": ("plan",),
     "api.scoring": ("score",),
     "api.transferring": ("transfer",),

@@ -17,8 +17,12 @@ from hotlap.exporters.formats import FORMATS
 from hotlap.tuning.goal import parse_goal
 from hotlap.tuning.goal_forms import FORMS
 
-CALLS = {"tune": hotlap.tune, "plan": hotlap.plan, "fly": hotlap.fly, "compare": hotlap.compare, "export": hotlap.export}
-REQUIRED = {"compare": ["circle-34", "--out", "c"], "export": ["study", "--format", "json"]}
+CALLS = {"tune": hotlap.tune, "plan": hotlap.plan, "fly": hotlap.fly, "compare": hotlap.compare, "export": hotlap.export, "lap": hotlap.lap}
+REQUIRED = {
+    "compare": ["circle-34", "--out", "c"],
+    "export": ["study", "--format", "json"],
+    "lap": ["circle-34", "--parameters", "study", "--on", "mavlink:udpin:127.0.0.1:14540"],
+}
 EACH = pytest.mark.parametrize("name", CALLS)
 
 
@@ -41,7 +45,7 @@ def test_every_option_is_an_argument_of_the_call_and_says_its_default(name):
             continue
         parameter = inspect.signature(CALLS[name]).parameters[action.dest]
         assert meanings[action.dest]
-        if parameter.default not in {parameter.empty, None, True}:
+        if parameter.default is not False and parameter.default not in {parameter.empty, None, True}:
             shown = meanings[action.dest].partition(f"; {parameter.default!r}: ")[2] or format(parameter.default, "")
             assert f"(default: {shown.removesuffix('.0')})" in (action.help or "")
 

@@ -64,7 +64,13 @@ def keys_of(value):
 
 
 def test_every_command_that_is_quick_is_looked_at():
-    others = {"bench", "watch", "transfer", "score"}  # the last two: tests/api/test_transfer.py, tests/api/test_score.py
+    others = {
+        "bench",
+        "watch",
+        "transfer",
+        "score",
+        "lap",
+    }  # the last three: tests/api/test_transfer.py, test_score.py, tests/cli/test_lap.py
     assert set(documented()) == {*COMMANDS, *others}
 
 

@@ -52,6 +52,7 @@ def test_an_unknown_world_is_refused_with_those_there_are():
         ("worlds.own_simulator.Other", 1, "on: worlds.own_simulator.Other cannot be imported: .*no attribute 'Other'"),
         ("no_such_module.Own", 1, "on: no_such_module.Own cannot be imported: No module named 'no_such_module'"),
         ("worlds.own_simulator.NUMBER", 1, "cannot be imported: it is no class"),
+        ("mavlink:udpin:127.0.0.1:1", 1, "on: mavlink is no world but a real vehicle, which is flown once: hotlap.lap"),
         ("built-in:fast", 1, "on: built-in is told nothing, not 'fast'"),
         ("built-in", 2, "instances: are of simulators; built-in flies on all processors at once"),
         (OWN, 0, "instances: must be from 1 to 256, not 0"),

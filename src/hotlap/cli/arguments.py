@@ -14,12 +14,14 @@ from hotlap.api.exporting import export
 from hotlap.api.flying import fly
 from hotlap.api.identifying import KNOWN, identify
 from hotlap.api.importing import import_file
+from hotlap.api.lapping import lap
 from hotlap.api.planning import plan
 from hotlap.api.scoring import score
 from hotlap.api.transferring import transfer
 from hotlap.api.tuning import tune
 from hotlap.cli.options import GUESSES, PARAMETERS, SHOWN, Shown, add_call
 from hotlap.cli.parser import Parser, one_of, path, whole, wrapped
+from hotlap.core.vehicle_names import LANGUAGES
 from hotlap.files.kinds import Kind
 from hotlap.files.suites import SUITES
 from hotlap.first_guess.names import DEFAULT
@@ -29,6 +31,7 @@ from hotlap.tuning.goal_forms import FORMS, LAP_TIME
 
 SHELLS = ("bash", "zsh", "fish")
 REPRODUCED = Path("runs/reproduced")
+VEHICLES = ", ".join(f"{language}:{form}" for language, form in LANGUAGES.items())
 FIRST_GUESS = Shown("NAME", "first guess", GUESSES)
 
 ABOUT = """From a list of gates to a tuned controller: plans the fastest flight through a race track, then tunes a quadrotor's
@@ -129,6 +132,11 @@ def _tune(parser: Parser) -> None:
 
 def _fly(parser: Parser) -> None:
     add_call(parser, fly)
+
+
+def _lap(parser: Parser) -> None:
+    ends = Shown("WHAT", "request", ("land", "hold", "disarm"))
+    add_call(parser, lap, on=Shown("VEHICLE", values=VEHICLES), origin=Shown("PLACE"), geofence=Shown("BOX"), on_stop=ends)
 
 
 def _transfer(parser: Parser) -> None:
@@ -296,6 +304,17 @@ COMMANDS: Mapping[str, Command] = {
         "Fly a race with given parameters and fresh noise, and say how the flights ended.",
         _fly,
         ("hotlap fly circle-34", "hotlap fly circle-34 --parameters runs/mine --flights 1000"),
+    ),
+    "lap": Command(
+        "fly a real vehicle once",
+        "Fly a real vehicle around a race once: it takes off, hovers at the start, flies the tuned controller, brakes and lands.\n"
+        "Nothing is armed without --arm; a lost link, an old state, the geofence or Ctrl-C stop it. Read docs/real_flight.md first.",
+        _lap,
+        (
+            "hotlap lap my-race.toml --parameters runs/mine --on mavlink:udpin:127.0.0.1:14540 --dry-run",
+            "hotlap lap my-race.toml --parameters runs/mine --on mavlink:udpin:127.0.0.1:14540 --arm",
+            "hotlap lap my-race.toml --parameters runs/mine --on mavlink:serial:/dev/ttyACM0:921600 --origin here --arm",
+        ),
     ),
     "transfer": Command(
         "fly parameters in other worlds",

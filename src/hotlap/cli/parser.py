@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from hotlap.core.renamed import say_renamed
 HELP = {"-h", "--help"}
 EXAMPLES = "examples:"
 NARROWEST = 20  # columns of prose
+_NEGATIVES = re.compile(r"-[\d.]+,")
 RENAMED = {"--worlds": "--samples"}  # options of before
 
 
@@ -99,7 +101,7 @@ class Parser(argparse.ArgumentParser):
         Raises:
             InputError: it cannot be understood.
         """
-        arguments = [self._present(argument) for argument in arguments]
+        arguments = self._with_negatives([self._present(argument) for argument in arguments])
         options = arguments[: arguments.index("--")] if "--" in arguments else arguments
         if HELP & set(options):
             return None
@@ -135,6 +137,17 @@ class Parser(argparse.ArgumentParser):
             names = ", ".join(map(_written, missing))
             raise InputError(names, "", f"is missing; see {self.prog} --help")
         return parsed, unknown
+
+    def _with_negatives(self, arguments: list[str]) -> list[str]:
+        """Arguments in which a list that begins with a negative number, -1,2, stands behind its option: argparse takes it for an option."""
+        joined: list[str] = []
+        for argument in arguments:
+            before = self.options.get(joined[-1]) if joined else None
+            if before is not None and before.nargs != 0 and _NEGATIVES.match(argument):
+                joined[-1] += f"={argument}"
+            else:
+                joined.append(argument)
+        return joined
 
     def _present(self, argument: str) -> str:
         """An option as it is called now; says so where it was a name of before."""

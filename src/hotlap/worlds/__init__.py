@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from hotlap.core.errors import InputError, UnknownNameError
 from hotlap.core.own_code import import_own
+from hotlap.core.vehicle_names import LANGUAGES
 from hotlap.core.world_names import BUILT_IN, OWN, SERVED, SIMULATORS
 from hotlap.system.engine import Engine
 from hotlap.worlds.built_in import BuiltIn
@@ -56,6 +57,9 @@ def build(name: str, instances: int = 1, engine: Engine | None = None) -> World:
         if instances > 1:
             raise InputError("", "instances", f"are of simulators; {BUILT_IN} flies on all processors at once")
         return BuiltIn()
+    if base in LANGUAGES:
+        flies = f"hotlap.lap(RACE, parameters=FILE, on={name!r})"
+        raise InputError("", "on", f"{base} is no world but a real vehicle, which is flown once: {flies}")
     if "." not in base and base not in names():
         raise UnknownNameError("world", name, (*names(), OWN), key="on")
     if base == BUILT_IN:

@@ -11,6 +11,7 @@ from functools import cache
 from hotlap import tuners
 from hotlap.cli.arguments import COMMANDS
 from hotlap.cli.parser import OneOf, path
+from hotlap.core.vehicle_names import LANGUAGES
 from hotlap.core.world_names import BUILT_IN, SIMULATORS
 from hotlap.files.descriptions import names
 from hotlap.files.kinds import Kind
@@ -100,6 +101,8 @@ def _words(command: str, action: argparse.Action) -> tuple[str, ...]:
         return tuple(map(str, action.type.names))
     if action.dest == "file" and command == "check":
         return tuple(name for kind in Kind for name in names(kind))
+    if action.dest == "on" and command == "lap":
+        return tuple(f"{language}:" for language in LANGUAGES)
     known = LISTED.get(command) if action.dest == "names" else NAMED.get(action.dest)
     return known() if known else ()
 

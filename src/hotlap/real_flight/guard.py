@@ -1,0 +1,114 @@
+"""Guard: what stops a real flight; it looks at every state before a command is computed from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from hotlap.core.errors import HotlapError
+from hotlap.core.records import Floats
+from hotlap.real_flight.geofence import Geofence
+from hotlap.real_flight.link import Seen
+
+STALE = 0.25  # s: the oldest state that is flown with; a controller predicts no further
+LOOK_AHEAD = 0.1  # s beyond its age, over which a state is carried on before it is compared with the geofence
+JUMP = 1.0  # m by which a position may differ from that which the one before leads to
+LONGEST_STEP = 0.5  # s over which that is known
+
+
+class Reason(StrEnum):
+    """Why a flight was stopped."""
+
+    LINK = "the link was lost"
+    STALE = "the state is too old"
+    NUMBERS = "the state is not a number"
+    JUMP = "the position has jumped"
+    FENCE = "it reached the geofence"
+    STRAYED = "it strayed from the reference"
+    TAKEN_OVER = "it no longer follows hotlap: a pilot or the autopilot has taken over"
+    DISARMED = "the motors were stopped"
+    REFUSED = "the vehicle refused"
+    NOT_LIFTED = "it did not lift off"
+    UNSTEADY = "it did not become steady at the start"
+    THRUST = "the thrust is not that of the file"
+    INTERRUPTED = "it was interrupted"
+    FAULT = "hotlap failed"
+
+
+class Halt(HotlapError):  # noqa: N818  it stops a flight, which is no error
+    """A flight has to be stopped now.
+
+    Args:
+        reason: why.
+        detail: figures, for people.
+    """
+
+    def __init__(self, reason: Reason, detail: str = "") -> None:
+        self.reason, self.detail = reason, detail
+        super().__init__(f"{reason}{f': {detail}' if detail else ''}")
+
+
+@dataclass
+class Guard:
+    """Compares states with limits.
+
+    Attributes:
+        geofence: the box.
+        farthest: [m] from the reference at most; from which it is looked at when there is one.
+        engaged, armed: whether it has been so, and has to stay so.
+        last: the state before.
+    """
+
+    geofence: Geofence
+    farthest: float
+    engaged: bool = False
+    armed: bool = False
+    last: Seen | None = None
+
+    def check(self, seen: Seen) -> None:
+        """Look at a state (race).
+
+        Raises:
+            Halt: a limit is passed.
+        """
+        if not np.isfinite(seen.state).all() or not 0.9 < float(np.linalg.norm(seen.state[3:7])) < 1.1:
+            raise Halt(Reason.NUMBERS)
+        if seen.age > STALE:
+            raise Halt(Reason.STALE, f"{seen.age:.2f} s")
+        if self.engaged and not seen.engaged:
+            raise Halt(Reason.TAKEN_OVER)
+        if self.armed and not seen.armed:
+            raise Halt(Reason.DISARMED)
+        if self.armed:
+            self._check_jump(seen)
+            ahead = seen.state[:3] + (max(seen.age, 0.0) + LOOK_AHEAD) * seen.state[7:10]
+            if self.geofence.outside(ahead):
+                raise Halt(Reason.FENCE, f"at ({_place(seen.state[:3])}) m with {np.linalg.norm(seen.state[7:10]):.1f} m/s")
+        self.last = seen
+
+    def check_distance(self, seen: Seen, reference: Floats) -> None:
+        """Look at how far it is from the reference, shape (13,), at the time of the state.
+
+        Raises:
+            Halt: too far.
+        """
+        distance = float(np.linalg.norm(seen.state[:3] + max(seen.age, 0.0) * seen.state[7:10] - reference[:3]))
+        if distance > self.farthest:
+            raise Halt(Reason.STRAYED, f"{distance:.1f} m from it at ({_place(seen.state[:3])}) m")
+
+    def _check_jump(self, seen: Seen) -> None:
+        before = self.last
+        if before is None or not 0 < seen.time - before.time < LONGEST_STEP:
+            return
+        if seen.resets != before.resets:
+            raise Halt(Reason.JUMP, "the autopilot has reset its estimate")
+        led = before.state[:3] + (seen.time - before.time) * (before.state[7:10] + seen.state[7:10]) / 2
+        jump = float(np.linalg.norm(seen.state[:3] - led))
+        if jump > JUMP:
+            raise Halt(Reason.JUMP, f"by {jump:.1f} m")
+
+
+def _place(point: Floats) -> str:
+    return ", ".join(f"{value:.1f}" for value in point)
