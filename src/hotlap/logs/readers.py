@@ -17,7 +17,8 @@ from hotlap.logs.plausibility import check_units
 from hotlap.system.text_files import cause_of
 
 MOST_BYTES = 2_000_000_000  # of a log
-MOST_OF_BLACKBOX = 200_000_000  # it is read byte by byte
+MOST_OF_TEXT = 200_000_000  # and of what is decoded byte by byte
+TEXT_OF_ARDUPILOT = b"FMT,"
 LISTED = "PX4 ULog, Betaflight blackbox, ArduPilot dataflash, MCAP, ROS bag, CSV"
 
 Reader = Callable[[Path, str, "Mapping[str, Any] | None"], FlightLog]
@@ -75,7 +76,7 @@ def _recognise(path: Path, name: str) -> tuple[str, Reader]:
     with path.open("rb") as file:
         head = file.read(4096)
     kind, reader = _by_bytes(head, path)
-    most = MOST_OF_BLACKBOX if reader is _blackbox else MOST_BYTES
+    most = MOST_OF_TEXT if reader in {_blackbox, csv_table.read, _own} or head.startswith(TEXT_OF_ARDUPILOT) else MOST_BYTES
     if size > most:
         raise InputError(name, "", f"is larger than {most / 1e6:g} MB: cut out the flight")
     if reader in {csv_table.read, _own} and (_is_binary(head) or path.suffix.lower() in OTHERS):
@@ -89,7 +90,7 @@ def _by_bytes(head: bytes, path: Path) -> tuple[str, Reader]:
         return ulog.KIND, _ulog
     if head.startswith(b"H Product:Blackbox"):
         return blackbox.KIND, _blackbox
-    if head.startswith(b"\xa3\x95") or (path.suffix.lower() == ".log" and head.startswith(b"FMT,")):
+    if head.startswith(b"\xa3\x95") or (path.suffix.lower() == ".log" and head.startswith(TEXT_OF_ARDUPILOT)):
         return dataflash.KIND, _dataflash
     if head.startswith(b"\x89MCAP"):
         return mcap_file.KIND, mcap_file.read
