@@ -125,6 +125,14 @@ def test_a_topic_is_chosen_by_the_map(tmp_path):
         read(path, {"rates": "/imuu"})
 
 
+@pytest.mark.parametrize("name", ["flight.ulg", "flight.bbl", "flight.bin"])
+def test_a_map_that_is_not_used_is_told(tmp_path, name):
+    path = WRITTEN[name][0](tmp_path / name, FLIGHT)
+    said = [note for note in read(path, {"time": "t", "rates": "a b c"}).notes if note.startswith("the map was not used: a")]
+    assert len(said) == 1
+    assert not any("map" in note for note in read(path).notes)
+
+
 @pytest.mark.parametrize(("name", "package"), [("a.ulg", "pyulog"), ("a.bin", "pymavlink"), ("a.mcap", "mcap")])
 def test_a_missing_package_is_named(tmp_path, monkeypatch, name, package):
     path = WRITTEN[name.replace("a", "flight", 1)][0](tmp_path / name, FLIGHT)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -146,13 +147,20 @@ def _own(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:
     return csv_table.read(path, name, mapping) if mapping is not None else read_hotlap_csv(path)
 
 
-def _ulog(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:  # noqa: ARG001  it names its own columns
-    return ulog.read(path, name)
+def _ulog(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:
+    return _unmapped(ulog.read(path, name), mapping)
 
 
-def _blackbox(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:  # noqa: ARG001
-    return blackbox.read(path, name)
+def _blackbox(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:
+    return _unmapped(blackbox.read(path, name), mapping)
 
 
-def _dataflash(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:  # noqa: ARG001
-    return dataflash.read(path, name)
+def _dataflash(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:
+    return _unmapped(dataflash.read(path, name), mapping)
+
+
+def _unmapped(log: FlightLog, mapping: Mapping[str, Any] | None) -> FlightLog:
+    """A log that names its own columns; says so where a map was given."""
+    return (
+        log if mapping is None else replace(log, notes=(*log.notes, f"the map was not used: {log.kind} says itself what its columns are"))
+    )
