@@ -16,6 +16,7 @@ from hotlap.identification.held import Held
 from hotlap.identification.usable import SHORTEST, usable
 from hotlap.logs.flight_log import GAP, FlightLog, Signal
 from hotlap.race.race import PLANT_STEP
+from hotlap.reference.attitude import continuous, rotation_matrices
 
 Mask = NDArray[np.bool_]
 
@@ -169,16 +170,8 @@ def _motion(signals: Any, grid: Floats) -> tuple[Floats | None, Floats | None]:
     if "attitude" not in signals:
         return None, None
     attitude = signals["attitude"]
-    turned = np.cumprod(np.where(np.concatenate([[1.0], (attitude.values[1:] * attitude.values[:-1]).sum(axis=1)]) < 0, -1.0, 1.0))
-    q = Signal(attitude.times, attitude.values * turned[:, None]).at(np.clip(grid, attitude.times[0], attitude.times[-1]))
-    w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
-    rotations = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    ).transpose(2, 0, 1)
+    q = Signal(attitude.times, continuous(attitude.values)).at(np.clip(grid, attitude.times[0], attitude.times[-1]))
+    rotations = rotation_matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
     if "velocity" not in signals:
         return rotations, None
     velocity = signals["velocity"]

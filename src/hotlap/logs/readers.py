@@ -161,6 +161,4 @@ def _dataflash(path: Path, name: str, mapping: Mapping[str, Any] | None) -> Flig
 
 def _unmapped(log: FlightLog, mapping: Mapping[str, Any] | None) -> FlightLog:
     """A log that names its own columns; says so where a map was given."""
-    return (
-        log if mapping is None else replace(log, notes=(*log.notes, f"the map was not used: {log.kind} says itself what its columns are"))
-    )
+    return log if mapping is None else replace(log, notes=(*log.notes, f"the map was not used: {log.kind} names its own columns"))

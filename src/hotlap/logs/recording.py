@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from hotlap.core.errors import InputError
 from hotlap.core.records import Floats
 from hotlap.logs.flight_log import COLUMNS, FlightLog, Signal
+from hotlap.reference.attitude import continuous
 
 DISORDER = 0.01  # share of the samples that may stand behind a later one: more are no accident
 MEASURED = ("battery", "current", "motor_speed")  # by sensors that a drone may be without: what they would tell is often logged as NaN
@@ -70,8 +71,7 @@ class Recording:
             moments, rows = self._turned(moments, rows)
         moments, rows = self._ordered(signal, moments, rows)
         if signal == "attitude":  # q and -q are one attitude: without jumps it can be drawn between samples
-            turns = np.where((rows[1:] * rows[:-1]).sum(axis=1) < 0, -1.0, 1.0)
-            rows[1:] *= np.cumprod(turns)[:, None]
+            rows = continuous(rows)
         self._signals[signal] = Signal(moments, rows)
         if said:
             self.note(said)
