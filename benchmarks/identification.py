@@ -2,8 +2,8 @@
 
 Each world flies the suggested minute with a drone that is heavier than its pilot believes, of another drag and with dead time, with noise
 of the sensors; then every number is set beside the truth. `own` draws many drones around the five-inch, each number up to a third off, and
-counts intervals that hold the truth. `example` flies the minute of docs/identify.md and runs `hotlap identify` on it.
-The noise: 0.05 rad/s, 0.05 m/s, 0.01 rad in the built-in world, 0.03, 0.03 and 0.005 elsewhere.
+counts intervals that hold the truth. `example` flies what docs/identify.md shows and runs `hotlap identify` on it. The noise:
+0.05 rad/s, 0.05 m/s, 0.01 rad in the built-in world, 0.03, 0.03 and 0.005 elsewhere.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from hotlap.core.records import Floats
 from hotlap.files.descriptions import load_quadrotor
 from hotlap.identification.draws import drawn
 from hotlap.identification.identify import Identification, identify
-from hotlap.identification.rehearsal import Noise, rehearse
+from hotlap.identification.rehearsal import SECONDS, Noise, rehearse
 from hotlap.logs.hotlap_csv import write_hotlap_csv
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.worlds.plant_simulator import PlantSimulator
@@ -89,14 +89,15 @@ def show_left(left: dict[str, Floats]) -> None:
 
 
 def example(folder: Path) -> None:
-    """The flight of the documentation, and what `hotlap identify` says of it."""
+    """The flights of the documentation, the minute and half a minute of hover, and what `hotlap identify` says of them."""
     base = load_quadrotor(BASE)
     vehicle = base.model_copy(update=EXAMPLE)
-    log = rehearse(PlantSimulator(vehicle, base), base, seed=1, delay=EXAMPLE_DELAY)
     folder.mkdir(parents=True, exist_ok=True)
-    write_hotlap_csv(folder / "flight.csv", log)
-    words = [str(folder / "flight.csv"), "--quadrotor", BASE, "--known", "thrust", "--picture", str(folder / "identified.png")]
-    main_of_hotlap(["identify", *words])
+    for name, pushes, seconds in (("flight", True, SECONDS), ("hover", False, SECONDS / 2)):
+        path, picture = folder / f"{name}.csv", folder / f"{name}.png"
+        log = rehearse(PlantSimulator(vehicle, base), base, seed=1, delay=EXAMPLE_DELAY, pushes=pushes, seconds=seconds)
+        write_hotlap_csv(path, log)
+        main_of_hotlap(["identify", str(path), "--quadrotor", BASE, "--known", "thrust", "--picture", str(picture)])
 
 
 def flown(name: str) -> tuple[Simulator, Quadrotor, Quadrotor]:
