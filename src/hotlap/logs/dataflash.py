@@ -13,7 +13,7 @@ import numpy as np
 from hotlap.core.records import Floats
 from hotlap.logs.flight_log import FlightLog
 from hotlap.logs.frames import TURNED, from_angles, turn, turn_attitude
-from hotlap.logs.packages import load
+from hotlap.logs.packages import load, without_remarks
 from hotlap.logs.recording import Recording
 
 KIND = "a dataflash log of ArduPilot"
@@ -29,7 +29,8 @@ PARAMETER, TIME, CLOCK = "PARM", "TimeUS", "its clock"
 def read(path: Path, name: str) -> FlightLog:
     """Read a log; see `readers.read`."""
     recording, reader = Recording(name, KIND), load("pymavlink.DFReader", KIND, name)
-    log = reader.DFReader_text(str(path)) if path.suffix.lower() == ".log" else reader.DFReader_binary(str(path))
+    with without_remarks():  # on every byte that is none of a message
+        log = reader.DFReader_text(str(path)) if path.suffix.lower() == ".log" else reader.DFReader_binary(str(path))
     tables, parameters = dict[str, Table](), dict[str, Any]()
     try:
         for _ in range(MOST_MESSAGES):

@@ -11,6 +11,7 @@ from hotlap.core.errors import InputError
 from hotlap.core.records import Floats, columns_of
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.number_table import NumberTable
+from hotlap.logs.recording import LARGEST
 from hotlap.system.text_files import replace
 
 KIND = "a flight of hotlap (CSV)"
@@ -47,8 +48,9 @@ def read_hotlap_csv(path: str | Path) -> FlightLog:
     for signal, names in GROUPS.items():
         if all(name in table for name in names):
             values = np.column_stack([table[name] for name in names])
-            if not np.isfinite(values).all():
-                row = int(np.argwhere(~np.isfinite(values))[0, 0])
+            good = np.abs(values) < LARGEST
+            if not good.all():
+                row = int(np.argwhere(~good)[0, 0])
                 raise InputError(label, signal, f"is not finite in row {row + 2}")
             signals[signal] = Signal(times, values)
         elif any(name in table for name in names):
