@@ -94,13 +94,13 @@ def lay_out(log: FlightLog) -> Evidence:
     """
     signals, left_out = usable(log)
     needed = [signals[name] for name in ("rates", "rate_command", "thrust_command") if name in signals]
-    start, end = max(one.times[0] for one in needed), min(one.times[-1] for one in needed)
+    start, end = max(float(one.times[0]) for one in needed), min(float(one.times[-1]) for one in needed)
     standing = ground(signals, start, end)
     start, end, within = _airborne(start, end, standing)
     if end - start - np.diff(within, axis=1).sum() < SHORTEST:
         apart = f", and {np.diff(standing, axis=1).sum():.1f} s on the ground" if len(standing) else ""
         raise InputError(log.name, "", f"{max(end - start, 0.0):.1f} s with commands and rates{apart}; at least {SHORTEST:g} s are needed")
-    grid = start + PLANT_STEP * np.arange(round((end - start) / PLANT_STEP) + 1)
+    grid = start + PLANT_STEP * np.arange(round((end - start) / PLANT_STEP) + 1, dtype=np.float64)
     rotations, air = _motion(signals, grid)
     rates, command = _within(signals["rates"], grid), _held(signals["rate_command"])
     force = velocity = None
