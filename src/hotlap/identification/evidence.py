@@ -28,6 +28,7 @@ MADE_OF = {  # signals without which an output is not known, or not predicted
     "velocity": ("velocity", *COMMANDS, "battery", "attitude"),
 }
 SLOW = 2.0  # s without a sample of a battery, which changes slowly, that are a gap
+LEAST = 4.0  # s that count: as many as one of which every second is held out
 SETTLING = 0.5  # s after a gap, and after the start, that do not count
 
 
@@ -109,16 +110,20 @@ def lay_out(log: FlightLog) -> Evidence:
             force = _within(signals["acceleration"], grid)
         elif rotations is not None and "velocity" in signals:
             velocity = _within(signals["velocity"], grid)
-    outputs = {"rates": rates, "force": force, "velocity": velocity}
-    always = np.concatenate([[[start, start]], within])
-    counts = dict[str, Mask]()
-    for name, one in outputs.items():
+    always, counts, notes = np.concatenate([[[start, start]], within]), dict[str, Mask](), [*left_out, *_on_the_ground(log.name, standing)]
+    for name, one in (("rates", rates), ("force", force), ("velocity", velocity)):
         if one is not None:
             made_of = [signals[made] for made in MADE_OF[name] if made in signals]
             missing = [_gaps(part, SLOW if part is signals.get("battery") else GAP, start, end) for part in made_of]
             counts[name] = _counting(one, np.concatenate([always, *missing]))
-    notes = (*left_out, *_on_the_ground(log.name, standing))
-    return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts, within, notes)
+            seconds = float(counts[name].sum()) * one.step if counts[name].any() else 0.0
+            if seconds < LEAST and name == "rates":
+                raise InputError(log.name, "", f"{seconds:.1f} s with commands and rates, without gaps; at least {LEAST:g} s are needed")
+            if seconds < LEAST:
+                notes.append(f"{log.name}: {name}: {seconds:.1f} s without gaps are too few: it was left out")
+                del counts[name]
+    force, velocity = force if "force" in counts else None, velocity if "velocity" in counts else None
+    return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts, within, tuple(notes))
 
 
 def _airborne(start: float, end: float, standing: Floats) -> tuple[float, float, Floats]:
