@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,20 +110,43 @@ def lay_out(log: FlightLog) -> Evidence:
             force = _within(signals["acceleration"], grid)
         elif rotations is not None and "velocity" in signals:
             velocity = _within(signals["velocity"], grid)
-    always, counts, notes = np.concatenate([[[start, start]], within]), dict[str, Mask](), [*left_out, *_on_the_ground(log.name, standing)]
-    for name, one in (("rates", rates), ("force", force), ("velocity", velocity)):
-        if one is not None:
-            made_of = [signals[made] for made in MADE_OF[name] if made in signals]
-            missing = [_gaps(part, SLOW if part is signals.get("battery") else GAP, start, end) for part in made_of]
-            counts[name] = _counting(one, np.concatenate([always, *missing]))
-            seconds = float(counts[name].sum()) * one.step if counts[name].any() else 0.0
-            if seconds < LEAST and name == "rates":
-                raise InputError(log.name, "", f"{seconds:.1f} s with commands and rates, without gaps; at least {LEAST:g} s are needed")
-            if seconds < LEAST:
-                notes.append(f"{log.name}: {name}: {seconds:.1f} s without gaps are too few: it was left out")
-                del counts[name]
+    always = np.concatenate([[[start, start]], within])
+    counts, few = _counts(log.name, signals, {"rates": rates, "force": force, "velocity": velocity}, always, (start, end))
     force, velocity = force if "force" in counts else None, velocity if "velocity" in counts else None
-    return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts, within, tuple(notes))
+    notes = (*left_out, *_on_the_ground(log.name, standing), *few)
+    return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts, within, notes)
+
+
+def _counts(
+    label: str, signals: Mapping[str, Signal], outputs: Mapping[str, Signal | None], always: Floats, span: tuple[float, float]
+) -> tuple[dict[str, Mask], list[str]]:
+    """Which samples of each output count, and notes of outputs of which too few do: these have none.
+
+    Args:
+        label: of the log.
+        signals: of it.
+        outputs: by name of `MADE_OF`.
+        always: shape (G, 2) [s] gaps of all of them.
+        span: [s] of the flight.
+
+    Raises:
+        InputError: too few samples of the rates count.
+    """
+    counts, notes = dict[str, Mask](), list[str]()
+    for name, one in outputs.items():
+        if one is None:
+            continue
+        made_of = [signals[made] for made in MADE_OF[name] if made in signals]
+        missing = [_gaps(part, SLOW if part is signals.get("battery") else GAP, *span) for part in made_of]
+        counted = _counting(one, np.concatenate([always, *missing]))
+        seconds = float(counted.sum()) * one.step if counted.any() else 0.0
+        if seconds >= LEAST:
+            counts[name] = counted
+        elif name == "rates":
+            raise InputError(label, "", f"{seconds:.1f} s with commands and rates, without gaps; at least {LEAST:g} s are needed")
+        else:
+            notes.append(f"{label}: {name}: {seconds:.1f} s without gaps are too few: it was left out")
+    return counts, notes
 
 
 def _airborne(start: float, end: float, standing: Floats) -> tuple[float, float, Floats]:

@@ -30,6 +30,7 @@ KEPT += ("dshot_idle_value", "motorOutput", "vbat_sag_compensation", "debug_mode
 FIRST = b"H Product:Blackbox"  # line of each flight
 PACKAGE, PROGRAM = "orangebox", "bb2csv"
 PATIENCE = 300.0  # s of decoding
+LAST_WORDS = 4096  # bytes of what it says
 FEWEST = 10  # frames that make a flight
 
 
@@ -70,7 +71,7 @@ def _decode(path: Path, recording: Recording) -> dict[str, Floats]:
             raise
         finally:
             clock.cancel()
-        said.seek(0)
+        said.seek(max(said.tell() - LAST_WORDS, 0))
         last = said.read().decode("utf-8", "replace").strip().rpartition("\n")[2]
     if late.is_set():
         raise recording.fail("", f"is {KIND} that takes more than {PATIENCE:g} s to decode: it is damaged, or too long")
