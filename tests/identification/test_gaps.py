@@ -96,6 +96,7 @@ def test_stretches_begin_behind_gaps():
     assert stretches(counts[1:]).tolist() == [0, 0, 0, 0, 1, 1, 2]
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("name", ["attitude", "thrust_command"])
 def test_a_hole_does_not_bend_a_fit(truth, flown, name):
     found = identify([holed(flown, name)], BASE, thrust_known=True)
