@@ -318,7 +318,7 @@ def torment(place: Place, warm: Path, whole: Whole, fault: str, chance: random.R
     try:
         if fault != FULL:
             return _struck(place, whole, fault, chance)
-        with small_disk(place.out, chance.randrange(1 << 12, whole.size)):
+        with small_disk(place.out, chance.randrange(min(1 << 12, whole.size // 2), whole.size)):
             process = place.start()
             status = finish(process)
             complaint = "" if status in {0, 1} else f"exit status {status}"
