@@ -21,7 +21,7 @@ from hotlap.real_flight.mavlink.autopilots import (
     RESULTS,
     THRUST_AS_THRUST,
 )
-from hotlap.real_flight.mavlink.clocks import FollowedClock, OffsetClock, VehicleClock
+from hotlap.real_flight.clocks import FollowedClock, OffsetClock, VehicleClock
 from hotlap.real_flight.mavlink.frames import rates_told
 from hotlap.real_flight.mavlink.package import connect
 from hotlap.real_flight.mavlink.states import States
