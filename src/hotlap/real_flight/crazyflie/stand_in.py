@@ -208,7 +208,7 @@ class StandIn:
         """Blocks of a log: made, extended, started, stopped, all forgotten."""
         command, block = content[0], content[1] if len(content) > 1 else 0
         if command in {6, 7}:
-            named = [int.from_bytes(content[i + 1 : i + 3], "little") for i in range(2, len(content), 3)]
+            named = [int.from_bytes(content[i + 1 : i + 3], "little") for i in range(2, len(content) - 2, 3)]
             self._blocks[block] = (self._blocks.get(block, []) if command == 7 else []) + named
         elif command == 3:
             self._running[block] = content[2]

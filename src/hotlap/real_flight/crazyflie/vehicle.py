@@ -175,11 +175,7 @@ class CrazyflieVehicle:
     @property
     def _follows_us(self) -> bool:
         """Whether what it flies is ours."""
-        if not self._engaged or self._status & DOWN:
-            return False
-        if not self._released:
-            return True
-        return bool(self._status & Status.FLYING) and not self._status & Status.COMMANDER and self._released < ASKED_ENOUGH
+        return self._engaged and not self._status & DOWN
 
     def _measure_travel(self) -> None:
         """How long a word takes to it and back; half of that is how old the freshest state is."""
@@ -244,6 +240,8 @@ class CrazyflieVehicle:
             self._owed = float(stamp)
         if not (self._status & Status.FLYING or self._engaged):
             self._stands_at(float(self._fresh[1][2]))
+        if self._released >= ASKED_ENOUGH or (self._released and (self._status & Status.COMMANDER or not self._status & Status.FLYING)):
+            self._engaged = False
         if self._released and self._asked_to_arm and not self._status & Status.FLYING:
             self._tell("arm", False)
 

@@ -128,8 +128,10 @@ class MavlinkVehicle:
         """What COMMAND_ACK said to the last request, and the last complaint of the autopilot."""
         return f"{self._refusal}{f' ({self._complaint})' if self._complaint else ''}" if self._refusal else ""
 
-    def prepare(self, times: Floats, states: Floats) -> None:
+    def prepare(self, times: Floats, states: Floats) -> str:
         """Nothing: it follows setpoints."""
+        del times, states
+        return ""
 
     def send(self, setpoint: Setpoint) -> None:
         """SET_ATTITUDE_TARGET with rates and thrust."""
