@@ -2,7 +2,8 @@
 
 Each world flies the suggested minute with a drone that is heavier than its pilot believes, of another drag and with dead time, with noise
 of the sensors; then every number is set beside the truth. `own` draws many drones around the five-inch, each number up to a third off, and
-counts intervals that hold the truth. The noise: 0.05 rad/s, 0.05 m/s, 0.01 rad in the built-in world, 0.03, 0.03 and 0.005 elsewhere.
+counts intervals that hold the truth. Elsewhere the identified drone is asked for the same steps as the
+simulator's. The noise: 0.05 rad/s, 0.05 m/s, 0.01 rad in the built-in world, 0.03, 0.03 and 0.005 elsewhere.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import argparse
 import os
 import time
 from importlib import import_module
+from typing import cast
 
 import numpy as np
 
@@ -18,16 +20,19 @@ os.environ.setdefault("SCIPY_ARRAY_API", "1")  # crazyflow asks for it, before S
 
 from hotlap.files.descriptions import load_quadrotor
 from hotlap.identification.identify import Identification, identify
+from hotlap.identification.quadrotor_file import quadrotor_of
 from hotlap.identification.rehearsal import Noise, rehearse
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.worlds.plant_simulator import PlantSimulator
-from hotlap.worlds.simulator import Simulator
+from hotlap.worlds.simulator import Simulator, Start
 
 WORLDS = ("own", "rotorpy", "crazyflow", "betaflight")
 HEAVIER, DRAG = 1.15, (0.4, 0.35, 0.2)
 DELAY = {"rotorpy": 0.02, "crazyflow": 0.02, "betaflight": 0.04}  # s
 NOISE = Noise(rates=0.05, acceleration=1.0, velocity=0.05, attitude=0.01, position=0.02)
 BASE = "five-inch"
+STEPS = {"thrust": 0.8, "roll": 2.0, "pitch": 2.0, "yaw": 1.0}  # share of the weight, rad/s
+SETTLING, STEP_SECONDS, SHARE = 0.6, 0.4, 0.63
 
 
 def truth_of(vehicle: Quadrotor, delay: float) -> dict[str, float]:
@@ -46,6 +51,36 @@ def show(found: Identification, truth: dict[str, float]) -> None:
             true = truth[one.name]
             off = f"{one.value / true - 1:+.1%}" if true else ""
             print(f"  {one.name:16} {one.value:9.4g}  {one.low:9.4g} to {one.high:9.4g}  truth {true:9.4g}  {off}")
+
+
+def step_response(simulator: Simulator, weight: float, axis: int, size: float) -> tuple[float, float]:
+    """How a hovering drone follows a step of its thrust (axis 0, as a share of the weight) or of a body rate [rad/s].
+
+    Returns:
+        Time [s] to 63 % of the step, and the largest value, as a share of the step.
+    """
+    simulator.reset(0, Start(np.array([0.0, 0.0, 30.0, 1.0, *np.zeros(9)])))
+    hover = np.tile([weight, 0.0, 0.0, 0.0], (simulator.lanes, 1))
+    simulator.advance(hover, SETTLING)
+    begun = simulator.rotor_thrusts()[0].sum()
+    hover[:, axis] = weight * (1 + size) if axis == 0 else size
+    followed = np.empty(round(STEP_SECONDS / simulator.step) + 1)
+    for k in range(len(followed)):
+        followed[k] = (simulator.rotor_thrusts()[0].sum() / begun - 1 if axis == 0 else simulator.states()[0][9 + axis]) / size
+        simulator.advance(hover, simulator.step)
+    if axis == 0:
+        followed /= followed[-1]  # of what it gives, which is another matter
+    k = int(np.argmax(followed >= SHARE))
+    return simulator.step * (k - (followed[k] - SHARE) / (followed[k] - followed[k - 1])), float(followed.max())
+
+
+def show_steps(simulator: Simulator, identified: Simulator, weight: float) -> None:
+    """A row for each axis."""
+    for axis, (name, size) in enumerate(STEPS.items()):
+        (time_there, most_there), (time_here, most_here) = (step_response(one, weight, axis, size) for one in (simulator, identified))
+        off = f"{time_here / time_there - 1:+.1%}"
+        print(f"  step of {name:6} 63 % after {1e3 * time_there:5.1f} ms, identified {1e3 * time_here:5.1f} ms  {off:7}", end="")
+        print(f"  largest {most_there:.2f}, identified {most_here:.2f}")
 
 
 def drawn(seed: int, base: Quadrotor) -> tuple[Quadrotor, float]:
@@ -112,11 +147,13 @@ def main() -> None:
             continue
         simulator, base, vehicle = flown(name)
         log = rehearse(simulator, base, seed=1, delay=DELAY[name])
-        simulator.close()
         begun = time.process_time()
         found = identify([log], base.model_copy(update={"delay": 0.0}), thrust_known=True)
         print(f"{name}: {time.process_time() - begun:.1f} s of processor time")
         show(found, truth_of(vehicle, DELAY[name]))
+        mine = quadrotor_of(found, name)
+        show_steps(simulator, cast("Simulator", PlantSimulator(mine, mine)), base.gravity)
+        simulator.close()
 
 
 if __name__ == "__main__":

@@ -262,6 +262,11 @@ export interface Cause {
   readonly advice: string;
   readonly tried: { readonly flights: number; readonly successes: number } | null;
   readonly supposed: string;
+  /** How many flights without the cause passed the gate where most had failed, if many more than before; pages of before do not say. */
+  readonly passed?: number;
+  readonly gate?: string;
+  /** How many of the same flights met the goal with the cause. */
+  readonly before?: number;
 }
 
 export interface Robustness extends Interval {

@@ -10,6 +10,7 @@ import pytest
 
 from flight.scenarios import TUNED, make_race, make_scenario
 from hotlap.analysis.diagnosis import Diagnosis, diagnose, diagnose_logs, telling, without_symptoms
+from hotlap.analysis.remedies import failures_of, what_to_try
 from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import FailureCause
 from hotlap.feasibility.margins import margin
@@ -96,8 +97,8 @@ def chattering() -> tuple[Diagnosis, ...]:
     return found(make_scenario(SLOW, model=SLOW, **race), weights=RESTLESS)
 
 
-def saturated() -> tuple[Diagnosis, ...]:
-    return found(dashing(dash(12.0), make_race(noise=NOISE, judge={"distance": 0.3}, **weak(12.0))), replan=replan)
+def saturated(distance: float = 0.3, **options) -> tuple[Diagnosis, ...]:
+    return found(dashing(dash(12.0), make_race(noise=NOISE, judge={"distance": distance}, **weak(12.0))), **options)
 
 
 CASES = {
@@ -107,7 +108,7 @@ CASES = {
     "unknown force: wind": lambda: found(make_scenario(noise=NOISE, judge=WIDE), "wind=4"),
     "unknown dead time": lambda: found(make_scenario({"delay": 0.15}, noise=NOISE, judge=WIDE)),
     "chattering": chattering,
-    "saturated from the start": saturated,
+    "saturated from the start": lambda: saturated(replan=replan),
     "late at the gate": lambda: found(late(lag_lead=0.0)),
     "opening too small": lambda: found(make_scenario(noise=LOUD, judge={"distance": 0.09})),
 }
@@ -146,10 +147,10 @@ def later(reference: Reference, push: float) -> Reference:
     return replace(reference, thrust=reference.thrust + more)
 
 
-def sluggish(reference: Reference) -> Scenario:
+def sluggish(reference: Reference, distance: float = 0.1, **controller) -> Scenario:
     """A race whose gates flights miss by their weights alone."""
-    judge = {"distance": 0.1, "rule": GateRule.CLOSEST}
-    return dashing(reference, make_race(noise=NOISE, judge=judge, controller={"thrust": (0.1, 20.0), "lag_lead": 0.5}))
+    judge = {"distance": distance, "rule": GateRule.CLOSEST}
+    return dashing(reference, make_race(noise=NOISE, judge=judge, controller={"thrust": (0.1, 20.0), "lag_lead": 0.5, **controller}))
 
 
 def test_what_lies_after_the_gate_at_which_flights_fail_is_no_cause():
@@ -168,6 +169,14 @@ def test_where_nothing_else_helps_other_weights_are_tried_and_what_happens_at_th
     assert only.rate == 1.0
 
 
+def test_where_no_weights_help_either_the_advice_is_to_look_at_the_flights():
+    (only,) = found(sluggish(dash(9.0, 0.2), 0.002, offset_free=True), weights=SLUGGISH)
+    assert only.cause is FailureCause.WEIGHTS
+    assert only.advice == "no single weight, 10 or 4 times larger or smaller, gets many more flights past gate 1: look at the flights"
+    assert only.words.endswith(f"; {only.advice}"), "nothing was tuned further that could be said not to help"
+    assert what_to_try(failures_of((), (only,))) == (only.advice,)
+
+
 @pytest.mark.check
 @pytest.mark.parametrize(
     "race", ["airsim-final-22", "airsim-final-21", "airsim-flip-16", "airsim-qualifier-20", "qualifier-20", "final-22"]
@@ -182,19 +191,38 @@ def test_no_cause_that_is_told_of_a_real_race_lies_after_the_gate_at_which_fligh
             assert all(place <= names.index(one.gate) for place in places), one.words
 
 
-def test_a_trial_that_held_in_no_flight_does_not_say_that_it_would():
+def test_a_trial_that_held_in_no_flight_is_told_without_a_verb():
     vain = Validation(12, 0)
     race = make_race(noise=NOISE, judge={"distance": 0.02}, **weak(12.0, 0.9))
     for one in found(dashing(dash(12.0, 0.4), race)):
         assert one.rate < 0.5
-        assert " would" not in one.advice
-    lost = Diagnosis(FailureCause.NO_MARGIN, "0.9", "planning.thrust_share = 0.5", vain, "with enough of it")
+        assert one.advice.startswith(f"fly {one.change}")
+        assert f"; {one.change} alone does not help" in one.words
+    lost = Diagnosis(FailureCause.NO_MARGIN, "0.9", "set planning.thrust_share = 0.5", vain, "with enough of it")
     assert not lost.helps
     assert lost.proof == "0 of 12 flights hold with enough of it"
     further = replace(lost, passed=11, gate="gate 3")
     assert further.helps
     assert further.proof == "11 of 12 flights pass gate 3 with enough of it, none of them to the end: not enough by itself"
     assert further.rank > lost.rank
+    told = further.dump()
+    assert (told["tried"], told["passed"], told["gate"], told["before"]) == ({"flights": 12, "successes": 0}, 11, "gate 3", 0)
+
+
+def test_a_cause_that_could_not_be_flown_without_is_told_before_one_that_does_not_help():
+    (only,) = saturated(0.1)
+    assert only.cause is FailureCause.SATURATED
+    assert only.tried is None
+
+
+def test_what_could_not_be_flown_ranks_between_what_helps_and_what_does_not():
+    unknown = Diagnosis(FailureCause.SATURATED, "", 'set planning.dynamics = "full"')
+    some, further, lost = (replace(unknown, tried=Validation(12, held), passed=passed) for held, passed in ((3, 0), (0, 11), (0, 0)))
+    same, hardly, more = (replace(unknown, tried=Validation(12, held), before=7) for held in (7, 8, 9))
+    assert max(some, further, more, unknown, key=lambda one: one.rank) is not unknown
+    assert min(some, further, more, unknown, key=lambda one: one.rank) is unknown
+    assert max(unknown, lost, same, hardly, key=lambda one: one.rank) is unknown
+    assert not any(one.helps for one in (lost, same, hardly))
 
 
 def test_flights_that_hold_have_no_causes():
@@ -211,6 +239,19 @@ def test_logs_alone_tell_a_wrong_weight_and_thrust_at_its_limit():
     assert FailureCause.UNKNOWN_FORCE in {one.cause for one in causes}
     assert all(one.tried is None for one in causes)
     assert diagnose_logs(heavier, flights, np.zeros(6, dtype=bool)) == ()
+
+
+def test_the_one_log_of_a_flight_that_failed_elsewhere_than_most_tells_its_cause():
+    heavier = make_scenario({"mass": 0.93}, noise=NOISE, judge=WIDE)
+    flights = WORLD.fly(heavier, np.tile(TUNED, (6, 2, 1)), SEEDS[:6], log=(0,))
+    later, first = np.arange(6) > 0, np.arange(6) < 1
+    passed = int(flights.gates_passed[0])
+    assert 0 < passed < len(flights.gate_times)
+    flights = replace(flights, gates_passed=np.where(later, passed - 1, passed))
+    causes = diagnose_logs(heavier, flights, later | first)
+    assert FailureCause.UNKNOWN_FORCE in {one.cause for one in causes}
+    assert [one.words for one in causes] == [one.words for one in diagnose_logs(heavier, flights, first)]
+    assert diagnose_logs(heavier, flights, later) == ()
 
 
 def test_symptoms_that_vanish_with_their_cause_are_not_told():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import fields
 
 import numpy as np
@@ -71,7 +72,7 @@ def test_a_flight_from_its_log_has_the_verdict_of_the_world(tmp_path, rule, load
     for field in fields(mine):
         np.testing.assert_allclose(getattr(mine, field.name), getattr(world, field.name), atol=1e-3, err_msg=field.name)
     assert mine.complete[0] == (load == 1.0)
-    assert ending(scenario, judged)
+    assert ending(scenario, judged, log, find_frame(log, scenario))
     np.testing.assert_allclose(judged.logs[0].commands[1:-1], flown.logs[0].commands[1 : len(judged.logs[0].times) - 1], atol=1e-9)
 
 
@@ -152,9 +153,10 @@ def test_a_log_that_ends_too_early_says_so(scenario, flown):
     log = logged(flown)
     short = {name: Signal(signal.times[:150], signal.values[:150]) for name, signal in log.signals.items()}
     cut = FlightLog("a", "b", short)
-    judged = judge_log(cut, scenario, find_frame(cut, scenario, start=0.0))
+    frame = find_frame(cut, scenario, start=0.0)
+    judged = judge_log(cut, scenario, frame)
     assert not score(judged, scenario.race.judge).complete[0]
-    assert ending(scenario, judged).startswith("the log ends 1.4")
+    assert ending(scenario, judged, cut, frame).startswith("the log ends 1.4")
 
 
 def test_positions_alone_are_enough(scenario, flown):
@@ -163,4 +165,36 @@ def test_positions_alone_are_enough(scenario, flown):
     assert judged.gates_passed == flown.gates_passed
     assert judged.mean_error == pytest.approx(flown.mean_error, abs=1e-3)
     assert np.isfinite(judged.logs[0].states).all()
-    assert len(list(missing(log))) == 4
+    assert len(list(missing(log, find_frame(log, scenario, start=0.0)))) == 4
+
+
+def without(log, begin, end):
+    """A log without positions between two times."""
+    position = log.signals["position"]
+    kept = (position.times <= begin) | (position.times >= end)
+    return FlightLog(log.name, log.kind, {**log.signals, "position": Signal(position.times[kept], position.values[kept])})
+
+
+@pytest.mark.parametrize("rule", GateRule)
+def test_a_gate_in_a_gap_was_not_seen(rule):
+    scenario = make_scenario(noise=NOISE, judge={"rule": rule})
+    flown = fly(scenario)
+    assert flown.gates_passed[0] == 5
+    passed = flown.gate_times[2] if rule is GateRule.CLOCK else flown.closest_time[0, 2]
+    log = without(logged(flown), passed - 0.2, passed + 0.2)
+    frame = find_frame(log, scenario, start=0.0)
+    judged = judge_log(log, scenario, frame)
+    assert judged.gates_passed[0] == 2
+    assert judged.end_time[0] < passed
+    told = ending(scenario, judged, log, frame)
+    assert re.fullmatch(r"was not seen from \d\.\d\d to \d\.\d\d s after the start, where gate 3 was: the log has no positions there", told)
+    assert any(note.startswith("position: no sample from ") for note in missing(log, frame))
+
+
+def test_a_gap_without_a_gate_is_noted_and_drawn_as_a_straight_line(scenario, flown):
+    middle = (flown.gate_times[1] + flown.gate_times[2]) / 2
+    log = without(logged(flown), middle - 0.13, middle + 0.13)
+    frame = find_frame(log, scenario, start=0.0)
+    judged = judge_log(log, scenario, frame)
+    assert judged.gates_passed == flown.gates_passed
+    assert [note for note in missing(log, frame) if note.startswith("position: no sample from ")]

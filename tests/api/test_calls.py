@@ -312,3 +312,9 @@ def test_what_is_interrupted_says_how_to_go_on(here):
 )
 def test_the_command_of_a_call_has_what_differs_from_the_defaults(given, command):
     assert command_line(hotlap.tune, given) == command
+
+
+@pytest.mark.parametrize(("window", "words"), [((1.5, 9.0), "--from 1.5 --to 9"), ((None, 9.0), "--to 9"), ((0.0, None), "--from 0")])
+def test_the_command_of_a_window_has_an_option_for_each_side(window, words):
+    given = {"log": "a.csv", "race": "a.toml", "window": window}
+    assert command_line(hotlap.score, given) == f"hotlap score a.csv --race a.toml {words}"

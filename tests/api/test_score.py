@@ -101,6 +101,7 @@ def test_a_table_of_ones_own_needs_a_map(there, flown, capsys):
         (["flight.csv"], "--race: is missing; see hotlap score --help"),
         (["flight.csv", "--race", "circle-34", "--start", "soon"], "--start: must be a number, not 'soon'"),
         (["flight.csv", "--race", "circle-34", "--start", "900"], "--start: must be from 0.00 to"),
+        (["flight.csv", "--race", "circle-34", "--from", "900"], "--from: leaves nothing of flight.csv, which is from 0.00 to"),
         (["flight.csv", "--race", "circle-34", "--out", "page.pdf"], "page.pdf: must end with .html, .htm"),
         (["flight.csv", "--race", "circle-34", "--flights", "0"], "--flights: must be from 1 to"),
     ],

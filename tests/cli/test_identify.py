@@ -9,6 +9,7 @@ from hotlap.files.descriptions import load_quadrotor
 from hotlap.identification.identify import identify
 from hotlap.identification.replay import replay
 from hotlap.logs.hotlap_csv import write_hotlap_csv
+from hotlap.race.hold import parse_hold
 from identification.flights import BASE, drawn
 
 
@@ -35,7 +36,7 @@ def test_numbers_predictions_and_what_is_missing_are_said_and_written(hotlap, he
     ran = hotlap("identify", flight, "--quadrotor", "five-inch", "--known", "thrust", "--out", "mine.toml", "--picture", "seen.png")
     assert ran.code == 0
     first, *others = ran.out.splitlines()
-    assert first == "five-inch, from 1 log of 8 s; its thrust is taken to be right"
+    assert first == "five-inch, from 1 log of 8 s; taken to be right: its thrust"
     assert any(line.startswith("  mass") for line in others)
     assert any(line.startswith("  rate gain yaw: yaw was hardly asked to turn") for line in others)
     assert others[-2:] == ["picture written to seen.png", "wrote mine.toml; next: hotlap check mine.toml"]
@@ -57,6 +58,17 @@ def test_a_base_beside_the_file_is_found_from_it(found, hotlap, here, flight, mo
     assert load_quadrotor(here / "found" / "mine.toml").mass == 0.7
 
 
+def test_what_is_outside_of_a_window_is_not_fitted(found, hotlap, flight, monkeypatch):
+    seen = []
+    monkeypatch.setattr("hotlap.api.identified.identify", lambda logs, *_, **__: seen.extend(logs) or found)
+    assert hotlap("identify", flight, "--quadrotor", "five-inch", "--from", "1", "--to", "7.5").code == 0
+    assert (seen[0].start, seen[0].duration) == pytest.approx((1.0, 6.5), abs=0.011)
+    assert any(note.startswith("from 1.00 to 7.50 s of a log from 0.00 to") for note in seen[0].notes)
+    assert hotlap("identify", flight, "--quadrotor", "five-inch", "--from", "99").err.startswith(
+        "hotlap: --from: leaves nothing of flight.csv"
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -65,6 +77,8 @@ def test_a_base_beside_the_file_is_found_from_it(found, hotlap, here, flight, mo
         (("nowhere.csv", "--quadrotor", "five-inch"), "nowhere.csv: there is no such file"),
         (("nowhere.csv", "--quadrotor", "five-inch", "--out", "mine.yaml"), "mine.yaml: must end with .toml"),
         (("a.csv", "--quadrotor", "five-inch", "--picture", "seen.gif"), "seen.gif: must end with .png, .svg, .pdf"),
+        (("a.csv", "--quadrotor", "five-inch", "--from", "soon"), "--from: must be a number, not 'soon'"),
+        (("a.csv", "--quadrotor", "five-inch", "--from", "9", "--to", "3"), "--to: is 3 s, which is not after 9 s"),
         (("straight.toml", "--quadrotor", "five-inch"), "straight.toml: is no log that hotlap knows: PX4 ULog"),
     ],
 )
@@ -73,3 +87,24 @@ def test_bad_input_is_one_line(hotlap, arguments, message):
     assert ran.code == 2
     assert ran.err.startswith(f"hotlap: {message}")
     assert ran.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("known", "reason"),
+    [
+        ("mas", "there is no quantity named 'mas' (did you mean mass?); available: mass, rate_loop, thrust"),
+        ("mass,thrust", "a log cannot tell mass from thrust: one of the two, not both, has to be known"),
+        ("rate_loop", "a log cannot tell mass from thrust: one of the two, not both, has to be known"),
+    ],
+)
+def test_what_is_known_is_mass_or_thrust_and_perhaps_the_rate_loop(hotlap, flight, known, reason):
+    ran = hotlap("identify", flight, "--quadrotor", "five-inch", "--known", known)
+    assert (ran.code, ran.err) == (2, f"hotlap: --known: {reason}\n")
+
+
+def test_the_uncertainty_is_told_in_the_words_of_hold(hotlap, found, flight, monkeypatch):
+    monkeypatch.setattr("hotlap.api.identified.identify", lambda *_, **__: found)
+    ran = hotlap("identify", flight, "--quadrotor", "five-inch", "--json")
+    assert parse_hold(ran.document["hold"])
+    said = hotlap("identify", flight, "--quadrotor", "five-inch").out
+    assert f'--hold "{ran.document["hold"]}"' in said

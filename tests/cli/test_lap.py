@@ -17,11 +17,12 @@ from hotlap.cli import main
 from hotlap.files.descriptions import save_parameters
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.real_flight import flight as flight_loop
-from hotlap.real_flight.mavlink.stand_in import StandIn
+from hotlap.real_flight.mavlink.stand_in import StandIn, Weather
 from hotlap.real_flight.settings import Phase
 from real_flight.hangar import make_drone, make_scenario
 
 SCENARIO = make_scenario()
+WEATHER = Weather(loss=0.03, latency=0.002, jitter=0.004, position=0.005, velocity=0.02, attitude=0.002)
 
 
 @pytest.fixture
@@ -64,7 +65,7 @@ def lap(*arguments):
 
 @pytest.mark.usefixtures("hall")
 def test_a_flight_is_judged_and_its_log_can_be_scored(serving, capsys):
-    _, vehicle = serving()
+    _, vehicle = serving(weather=WEATHER, seed=3)
     assert lap("--on", vehicle, "--log", "flight.csv", "--no-rehearsal", "--json") == 0
     ran = capsys.readouterr()
     document = json.loads(ran.out)

@@ -7,9 +7,18 @@ import re
 import pytest
 
 from docs.pages import DOCS, program
+from hotlap.worlds.betaflight import built
+from hotlap.worlds.simulator import SimulatorError
 
 transcript = program("transcript")
 PAGES = ["index.md", "tutorial.md"]
+
+
+try:
+    built.firmware()
+    MISSING = ""
+except SimulatorError as error:
+    MISSING = str(error)
 
 
 @pytest.mark.check
@@ -22,6 +31,20 @@ def test_a_page_can_be_followed_from_an_empty_folder(page, tmp_path, monkeypatch
         commands += 1
         assert transcript.outline(printed) == transcript.outline(command.printed), " ".join(command.words)
     assert commands
+
+
+@pytest.mark.check
+@pytest.mark.skipif(bool(MISSING), reason=MISSING or "the firmware is there")
+def test_an_unknown_drone_is_identified_and_then_flies_its_laps(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shares = []
+    for command, printed in transcript.perform((DOCS / "whole_circle.md").read_text(encoding="utf-8")):
+        assert transcript.outline(printed) == transcript.outline(command.printed), " ".join(command.words)
+        if "betaflight" in command.words:
+            shares.append(float(re.search(r"all gates in +([\d.]+) %", printed)[1]))
+    before, after = shares
+    assert before < 30
+    assert after > 90
 
 
 def test_other_words_are_noticed_and_other_digits_are_not():

@@ -2,28 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from flight.scenarios import make_race, make_reference
-from hotlap.feasibility.finding import Level
-from hotlap.feasibility.margins import (
-    ENOUGH,
-    describe_margins,
-    explain,
-    in_wind,
-    margin,
-    margins,
-    place_of,
-    planned_vectors,
-    share_with_margin,
-)
-from hotlap.planning import plan
+from hotlap.feasibility.margins import ENOUGH, in_wind, margin, place_of, planned_vectors
 from hotlap.race.hold import parse_hold
 from hotlap.reference.reference import PERIOD, Reference
-from planning import small
 
 REFERENCE = make_reference()
 ROTORS = 4 * 6.0 / 0.716  # m/s^2 of the hummingbird
@@ -123,13 +108,6 @@ def test_what_is_needed_later_does_not_count():
     assert half[0] > half[1], "a battery that is half empty by then"
 
 
-def test_where_no_slower_plan_could_hover_none_is_named():
-    race = make_race(controller={"thrust": (0.1, 12.0)}, vehicle={"rotor_thrust": (0.0, 12.0 * 0.716 / 4)})
-    said = explain(race, REFERENCE, margin(race, REFERENCE), planned=False)
-    assert "no slower plan" in said
-    assert "takes at most" not in said
-
-
 def test_a_battery_sags_towards_the_end():
     fresh, empty = under(""), under("sag=20%")
     assert empty.available == pytest.approx(0.8 * fresh.available, rel=0.02)
@@ -149,51 +127,9 @@ def test_places_are_told_by_gates():
     assert place_of(race, REFERENCE, last + 0.5) == "after gate 5"
 
 
-def test_words_say_that_nothing_helps_or_that_hardly_any_is_left_or_nothing():
-    race = make_race(controller={"thrust": (0.1, 16.0)})
-    said = [explain(race, REFERENCE, margin(race, REFERENCE, *parse_hold(hold)), planned=False) for hold in ("mass=+30%", "mass=+10%", "")]
-    assert "0.88 of the thrust" in said[0]
-    assert "no weights will help; controller.thrust = [0.1, 19]" in said[0]
-    assert "hardly any" in said[1]
-    assert said[2] == ""
-
-
 def test_the_limit_that_is_named_leaves_enough():
     race = make_race(controller={"thrust": (0.1, 16.0)})
     for offset_free in (False, True):
         found = margin(race, REFERENCE, *parse_hold("mass=+30%"), offset_free=offset_free)
         raised = make_race(controller={"thrust": (0.1, found.limit)})
         assert margin(raised, REFERENCE, *parse_hold("mass=+30%"), offset_free=offset_free).reserve == pytest.approx(ENOUGH, rel=0.01)
-
-
-@pytest.mark.check
-def test_the_share_that_is_named_leaves_enough_as_planned():
-    race = small.FULL["at once"]
-    planning = race.planning.model_copy(update={"quadrotor": None, "thrust_share": 0.6})
-    race = race.model_copy(update={"planning": planning, "controller": race.controller.model_copy(update={"thrust": (0.1, 33.0)})})
-    heavier = parse_hold("mass=+60%")
-    reference = plan(race)
-    found = margin(race, reference, *heavier)
-    share = share_with_margin(race, found)
-    assert found.thrust < ENOUGH
-    assert share is not None
-    slower = race.model_copy(update={"planning": planning.model_copy(update={"thrust_share": share})})
-    assert margin(slower, plan(slower), *heavier).reserve == pytest.approx(ENOUGH, rel=0.03)
-
-
-def test_a_race_that_plans_by_no_share_names_none():
-    race = make_race()
-    assert race.planning.quadrotor is not None
-    assert share_with_margin(race, margin(race, REFERENCE)) is None
-
-
-def test_check_notes_conditions_without_enough_thrust_and_rates_that_are_not_there():
-    race = make_race(controller={"thrust": (0.1, 15.5)})
-    found = {finding.label: finding for finding in describe_margins(race, REFERENCE, margins(race, REFERENCE), planned=False)}
-    assert found["thrust left"].level is Level.FACT
-    assert found["- 10 % heavier"].level is found["- 15 % less thrust"].level is Level.NOTE
-    assert "- 10 % lighter" not in found
-    quick = replace(REFERENCE, rates=20 * REFERENCE.rates)
-    rates = [one for one in describe_margins(race, quick, margins(race, quick)) if one.label == "rates left"]
-    assert rates[0].level is Level.NOTE
-    assert "raise controller.rates" in rates[0].remark

@@ -157,3 +157,14 @@ def test_angles_turn_in_their_order():
     roll, pitch, yaw = 0.3, -0.4, 2.0
     x = rotate(from_angles([roll], [pitch], [yaw]), np.array([[1.0, 0, 0]]))[0]
     np.testing.assert_allclose(x, [np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), -np.sin(pitch)])
+
+
+def test_attitudes_of_length_0_are_left_out(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("t,qw,qx,qy,qz\n0,1,0,0,0\n0.1,0,0,0,0\n0.2,1,0,0,0\n")
+    log = read(path)
+    assert len(log.signals["attitude"].times) == 2
+    assert any("1 of 3 samples are quaternions of length 0" in note for note in log.notes)
+    path.write_text("t,qw,qx,qy,qz\n0,0,0,0,0\n0.1,0,0,0,0\n")
+    with pytest.raises(InputError, match="attitude: has a quaternion of length 0 in all of 2 samples"):
+        read(path)

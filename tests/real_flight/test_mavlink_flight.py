@@ -72,6 +72,7 @@ def check(stand_in, flown):
     assert len(racing) > 0.9 * 3.0 / SCENARIO.race.controller.period  # at the control rate, but for what was lost
 
 
+@pytest.mark.check
 def test_a_lap_over_a_link_that_loses_and_delays_messages():
     with serving(weather=WEATHER, seed=3, airborne=True) as stand_in:
         flown = fly(stand_in)

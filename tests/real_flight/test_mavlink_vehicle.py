@@ -134,6 +134,17 @@ def test_arming_and_disarming_are_commands_and_a_refusal_is_in_words(peer):
     assert (told.param1, told.param2, peer.vehicle.refusal) == (0, 21196, "")
 
 
+def test_who_speaks_without_heartbeats_counts_as_silent(peer):
+    peer.meet()
+    peer.state(1.0)
+    assert peer.vehicle.receive(RECEIVE) is not None
+    assert peer.vehicle.silent_for < 3.0
+    peer.vehicle._heartbeat -= 10.0
+    peer.state(2.0)
+    assert peer.vehicle.receive(RECEIVE) is not None
+    assert peer.vehicle.silent_for > 7.0
+
+
 def test_battery_and_ground_are_heard(peer):
     peer.meet()
     peer.say("sys_status", 0, 0, 0, 0, 15200, -1, -1, 0, 0, 0, 0, 0, 0)

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,7 @@ CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 HOTLAP = [sys.executable, "-m", "hotlap"]
 RACE = ("circle-34", "--first-guess", "default", "--seed", "0")
 LONG = "mass=+10% & thrust=-15% & wind=3 & gusts=2"  # a condition with a long name
+FLOWN = "50 new flights with the tuned parameters"
 OLDEST_NODE = 18
 
 pytestmark = pytest.mark.check
@@ -83,6 +85,24 @@ def test_the_page_of_a_study_that_failed_says_why(tmp_path):
     page = tmp_path / "failed.html"
     page.write_text(render(study, replay_finished(study.configuration, world, study.best)), encoding="utf-8")
     drive("browser/failed.mjs", str(page), str(tmp_path / "pictures"))
+
+
+@pytest.mark.parametrize(
+    ("reach", "known", "words"),
+    [
+        (0.0, 0, f"all {FLOWN} passed every gate, but the goal (completion=1) was not confirmed in the search"),
+        (40.0, 0, f"50 of {FLOWN} did not pass every gate"),
+        (40.0, 50, f"50 of {FLOWN} did not pass every gate: 50 missed gate 1"),
+    ],
+)
+def test_the_verdict_says_what_the_new_flights_have_shown(tmp_path, reach, known, words):
+    study = carry(tmp_path / "study", configure(goal="completion=1", budget=10), PlausibleWorld(reach=40.0))
+    replay = replay_finished(study.configuration, PlausibleWorld(reach=reach), study.best)
+    tuned, *others = replay.scene.repeats
+    tuned = replace(tuned, failures=tuned.failures[:known], failed_gates=tuned.failed_gates[:known], ends=tuned.ends[:known])
+    page = tmp_path / "verdict.html"
+    page.write_text(render(study, replace(replay, scene=replace(replay.scene, repeats=(tuned, *others)))), encoding="utf-8")
+    drive("browser/verdict.mjs", str(page), words)
 
 
 def test_a_track_with_openings_and_obstacles_is_drawn_from_every_camera(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
@@ -112,6 +113,28 @@ def test_a_study_that_passed_all_gates_says_that_its_goal_asks_for_more(tmp_path
     study = carry(tmp_path, configure(goal="mean_error<0.0001", budget=10), world)
     words = " ".join(read(render_static(study, replay_finished(study.configuration, world, study.best))).words)
     assert "all 50 new flights passed every gate, but the goal (mean_error<0.0001) asks for more" in words
+
+
+def failed_but(folder, replayed):
+    """A study that found nothing, and the flights of its page in another world."""
+    study = carry(folder, configure(goal="completion=1", budget=10), PlausibleWorld(reach=40.0))
+    return study, replay_finished(study.configuration, replayed, study.best)
+
+
+def test_a_goal_that_all_new_flights_meet_does_not_ask_for_more(tmp_path):
+    words = " ".join(read(render_static(*failed_but(tmp_path, PlausibleWorld(reach=0.0)))).words)
+    assert "all 50 new flights passed every gate, but the goal (completion=1) was not confirmed in the search" in words
+
+
+@pytest.mark.parametrize("known", [0, 7])
+def test_flights_whose_end_is_not_known_are_not_taken_for_complete(tmp_path, known):
+    study, replay = failed_but(tmp_path, PlausibleWorld(reach=40.0))
+    tuned, *others = replay.scene.repeats
+    tuned = replace(tuned, failures=tuned.failures[:known], failed_gates=tuned.failed_gates[:known], ends=tuned.ends[:known])
+    words = " ".join(read(render_static(study, replace(replay, scene=replace(replay.scene, repeats=(tuned, *others))))).words)
+    assert f"{50 - known} of 50 new flights did not pass every gate, and where they ended is not known" in words
+    assert ("7 of 50 new flights missed gate 1" in words) == bool(known)
+    assert "all 50" not in words
 
 
 def test_a_study_without_flights_has_a_page(tmp_path):

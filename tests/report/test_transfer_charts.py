@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hotlap.analysis.transfer import TransferFlight, metres, rows_of
-from hotlap.report.transfer_article import cells_of, changes, compose_article, endings, later_error
+from hotlap.report.transfer_article import cells_of, changes, compose_article, endings
 from hotlap.report.transfer_charts import draw_transfer, error_boxes, error_over_time
 
 
@@ -83,9 +83,9 @@ def test_errors_are_compared_where_all_flights_are_complete():
 def test_the_largest_error_is_not_that_of_the_start_which_the_noise_draws():
     begun = flight("home", "tuned", [0.9, 0.8, 0.2, 0.3], complete=True)
     begun = replace(begun, times=np.array([0.0, 0.9, 1.0, 1.5]))
-    assert later_error(begun) == 0.3
+    assert begun.later_error == 0.3
     assert cells_of(rows_of([begun]))[0][4] == "0.30"
-    assert later_error(replace(begun, times=np.array([0.0, 0.1, 0.2, 0.3]))) == 0.9, "one that ended before is all start"
+    assert replace(begun, times=np.array([0.0, 0.1, 0.2, 0.3])).later_error == 0.9, "one that ended before is all start"
 
 
 def test_table_and_chart_round_an_error_once():
@@ -106,6 +106,13 @@ def test_many_flights_have_a_mean_and_a_range():
 def test_the_article_names_all_worlds():
     text = compose_article("circle", rows_with(), (), "").markdown
     assert "flown in home and abroad with the same noise, 3 flights each" in text
+
+
+def test_the_article_says_of_laps_what_they_are():
+    tuned = (replace(flight("home", "tuned", [0.1], seed=seed), lap_time=lap) for seed, lap in enumerate((5.0, 5.0, 8.0)))
+    rows = rows_of([*tuned, *rows_with()[2].flights])
+    assert cells_of(rows)[0][5] == "6.00", "their mean, not their median"
+    assert "*lap*: the mean of the flights that passed all gates" in compose_article("circle", rows, (), "").markdown
 
 
 @pytest.mark.parametrize(("error", "words"), [(0.694, "0.69"), (0.0254, "0.025"), (math.nan, "-")])

@@ -72,7 +72,13 @@ def test_page_and_table_of_studies_say_it(kept):
     assert said.startswith("the first guess holds already: kept as it is; mean error ")
     assert f"T{said[1:]}." in render_static(kept, replay)
     row = row_of(Follower(kept.folder, "s").look())
-    assert row["cells"][1] == "confirmed, first guess kept"
+    assert row["cells"][1] == "confirmed, nothing changed"
+
+
+def test_table_of_studies_calls_default_weights_that_were_kept_no_first_guess(tmp_path):
+    study = carry(tmp_path / "s", configure(), EASY)
+    assert dump_study(study, None)["headline"]["kept_guess"] == "the default weights hold already: kept as they are"
+    assert row_of(Follower(study.folder, "s").look())["cells"][1] == "confirmed, nothing changed"
 
 
 def test_a_study_that_changed_something_says_nothing_of_it(tmp_path):

@@ -397,3 +397,31 @@ def rates_of(simulator, drone, steps):
         simulator.advance(np.array([[drone.gravity, *step]]), 0.01)
         rates.append(simulator.states()[0, 10:])
     return np.array(rates)
+
+
+def test_the_twin_at_home_answers_a_step_of_yaw_as_the_firmware_does():
+    """To a hundredth of a step and to its end, integral included."""
+    twin = as_flown(load_quadrotor("five-inch"))
+    rows = []
+    firmware = Betaflight(twin)
+    for simulator in (firmware, PlantSimulator(twin, twin)):
+        simulator.reset(0, Start(STATE))
+        hover, turn = (np.tile([9.81, 0.0, 0.0, rate], (simulator.lanes, 1)) for rate in (0.0, 1.0))
+        simulator.advance(hover, 0.6)
+        for _ in range(50):
+            simulator.advance(turn, 0.01)
+            rows.append(simulator.states()[0, 12])
+    firmware.close()
+    there, here = np.array(rows).reshape(2, -1)
+    assert np.sqrt(np.mean((there - here) ** 2)) < 0.03
+
+
+def test_thrust_is_what_the_pilot_takes_the_vehicle_for():
+    believed = load_quadrotor("five-inch")
+    low, high = believed.rotor_thrust
+    weak = believed.model_copy(update={"rotor_thrust": (low, 0.85 * high)})
+    simulator = Betaflight(weak, known_as=believed)
+    simulator.reset(0, Start(STATE))
+    simulator.advance(np.array([[believed.gravity, 0.0, 0.0, 0.0]]), 0.4)
+    assert simulator.rotor_thrusts().sum() / (weak.mass * weak.gravity) == pytest.approx(0.85, rel=0.02)
+    simulator.close()

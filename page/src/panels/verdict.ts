@@ -48,8 +48,10 @@ function unknown(app: App): string {
 
 function ended(tuned: Repeat, goal: string): string {
   const lost = tuned.flights - tuned.complete;
-  if (lost === 0) return `all ${tuned.flights} new flights with the tuned parameters passed every gate, but the goal (${goal}) asks for more`;
-  return `${lost} of ${tuned.flights} new flights with the tuned parameters did not pass every gate: ${endingsOf(tuned)}`;
+  const flown = `${tuned.flights} new flights with the tuned parameters`;
+  if (lost === 0) return `all ${flown} passed every gate, but the goal (${goal}) ${goal.startsWith("completion") ? "was not confirmed in the search" : "asks for more"}`;
+  const endings = endingsOf(tuned);
+  return `${lost} of ${flown} did not pass every gate${endings && `: ${endings}`}`;
 }
 
 function trials(app: App): string[] {

@@ -17,7 +17,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.feasibility.causes import SYMPTOMS, Case, Cure, FailureCause, Suspicion, suspect
 from hotlap.feasibility.margins import margin
 from hotlap.feasibility.signs import Signs, signs_of
-from hotlap.feasibility.weights import suspect_weights
+from hotlap.feasibility.weights import none_helps, suspect_weights
 from hotlap.feasibility.where import where_most_fail
 from hotlap.planning.preparation import prepare
 from hotlap.race.conditions import UNCHANGED, Condition
@@ -34,7 +34,6 @@ HELPS = 0.25  # share of the flights by which a trial has to be better
 CHEAP = 5.0  # s of planning
 ENOUGH = 0.5  # share of the flights of a trial, below which it has not removed what makes them fail
 ALL = 0.95  # share that is enough, however many held before
-WOULD = " would"  # what follows it in an advice says that it helps
 ALIKE = 0.1  # difference of two shares that says little
 
 Replan = Callable[[Race], Scenario]
@@ -57,6 +56,8 @@ class Diagnosis(Shown):
         supposed: what was only supposed in these flights, in words; "" where the advice itself was flown.
         passed: how many of them passed the gate at which most had failed, where that is many more than before; else 0.
         gate: the name of that gate; "" where flights failed that passed all.
+        before: how many of the same flights met the goal with the cause.
+        change: what the advice changes, in words that do not recommend it; "": the advice itself.
     """
 
     cause: FailureCause
@@ -66,6 +67,8 @@ class Diagnosis(Shown):
     supposed: str = ""
     passed: int = 0
     gate: str = ""
+    before: int = 0
+    change: str = ""
 
     @property
     def rate(self) -> float:
@@ -73,19 +76,34 @@ class Diagnosis(Shown):
         return -1.0 if self.tried is None else self.tried.rate
 
     @property
-    def rank(self) -> tuple[float, int, float]:
-        """Larger is better: how many flights without the cause held where these are enough, else how many got further, then held."""
-        return self.rate if self.rate >= ENOUGH else 0.0, self.passed, self.rate
+    def rank(self) -> tuple[int, float, int, float]:
+        """Larger is better: what helps, then what was not flown, then what does not help.
+
+        Of those that help: how many flights without the cause held where these are enough, else how many got further, then held.
+        """
+        standing = 0 if self.tried is None else 1 if self.helps else -1
+        return standing, self.rate if self.rate >= ENOUGH else 0.0, self.passed, self.rate
 
     @property
     def helps(self) -> bool:
-        """Whether any flight without the cause held, or got further; True where that was not flown."""
-        return self.tried is None or bool(self.tried.successes or self.passed)
+        """Whether more flights held without the cause than with it, or many got further; True where that was not flown.
+
+        Where some held anyway, hardly more than these are none.
+        """
+        if self.tried is None or self.passed:
+            return True
+        return self.tried.successes - self.before > (ALIKE * self.tried.flights if self.before else 0)
 
     @property
     def words(self) -> str:
         """In one line."""
-        return f"{self.cause}: {self.found}; {self.advice}{f' ({self.proof})' if self.proof else ''}"
+        advice = self.advice if self.helps else f"{self.named} alone does not help"
+        return f"{self.cause}: {self.found}; {advice}{f' ({self.proof})' if self.proof else ''}"
+
+    @property
+    def named(self) -> str:
+        """What the advice changes, in words that do not recommend it."""
+        return self.change or self.advice
 
     @property
     def proof(self) -> str:
@@ -102,7 +120,8 @@ class Diagnosis(Shown):
     def dump(self) -> dict[str, Any]:
         """As plain JSON."""
         tried = None if self.tried is None else {"flights": self.tried.flights, "successes": self.tried.successes}
-        return {"cause": str(self.cause), "found": self.found, "advice": self.advice, "tried": tried, "supposed": self.supposed}
+        trial = {"tried": tried, "supposed": self.supposed, "passed": self.passed, "gate": self.gate, "before": self.before}
+        return {"cause": str(self.cause), "found": self.found, "advice": self.advice, **trial}
 
 
 def diagnose(
@@ -118,8 +137,10 @@ def diagnose(
 ) -> tuple[Diagnosis, ...]:
     """Why parameters fail, the likeliest cause first, at most three; none where they do not fail.
 
-    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless figures prove it or nothing helps.
-    Only what lies before the place at which most of them fail is a cause; where nothing helps, other weights are tried as well.
+    Each suspicion is tried: the same flights without the cause. What does not help is not told, unless figures prove it or nothing helps;
+    what could not be flown is told before that.
+    Only what lies before the place at which most of them fail is a cause; where nothing helps, other weights are tried as well, and where
+    none of those helps either, the one advice is to look at the flights.
 
     Args:
         scenario: that is flown.
@@ -144,8 +165,10 @@ def diagnose(
     told = _each_once(without_symptoms([*certain, *roots, *(one for one in proved if one.cause in SYMPTOMS)]))
     if proved or certain:
         return tuple(told[:MOST])
-    weights = suspect_weights(case, parameters)
-    return (max((*tested, trial.test(case, weights, helps)), key=lambda one: one.rank),)
+    weights = trial.test(case, suspect_weights(case, parameters), helps)
+    best = max((*tested, weights), key=lambda one: one.rank)
+    vain = best is weights and not weights.helps
+    return (replace(weights, advice=none_helps(weights.gate), change="", tried=None) if vain else best,)
 
 
 def without_symptoms(diagnoses: Sequence[Diagnosis]) -> list[Diagnosis]:
@@ -190,7 +213,7 @@ def diagnose_logs(
     case = _case(scenario, flights, failed, condition, true=False)
     if case is None:
         return ()
-    return tuple(Diagnosis(one.cause, one.found, one.cures[0].advice) for one in suspect(case)[:MOST])
+    return tuple(Diagnosis(one.cause, one.found, one.cures[0].advice, change=one.cures[0].change) for one in suspect(case)[:MOST])
 
 
 @dataclass(frozen=True)
@@ -219,7 +242,9 @@ class _Trial:
 
     def _try(self, case: Case, suspicion: Suspicion, cure: Cure) -> Diagnosis:
         """A suspicion with what flights with one of its cures gave, where that can be flown."""
-        told = Diagnosis(suspicion.cause, suspicion.found, cure.advice, None, cure.supposed, 0, case.where.name)
+        seeds = self.seeds[:FLIGHTS]
+        held = int((~case.failed[: len(seeds)]).sum())
+        told = Diagnosis(suspicion.cause, suspicion.found, cure.advice, None, cure.supposed, 0, case.where.name, held, cure.change)
         scenario = replace(self.scenario, race=cure.race)
         if cure.replanned:
             try:
@@ -228,13 +253,11 @@ class _Trial:
                 return told
             if self.replan is None or len(scenario.segments) != len(self.scenario.segments):
                 return told
-        seeds = self.seeds[:FLIGHTS]
         flights = self._fly(scenario, cure.vehicle_parameters, seeds, parameters=cure.parameters)
         told = replace(told, tried=Validation(len(flights), int(self._succeeded(scenario, flights).sum())))
         further, before = (int((one.gates_passed[: len(seeds)] > case.where.gate).sum()) for one in (flights, case.flights))
         more = bool(case.where.name) and further >= before + HELPS * len(seeds)
-        advice = cure.advice if told.rate >= ENOUGH else cure.advice.partition(WOULD)[0]
-        return replace(told, advice=advice, passed=further * more)
+        return replace(told, passed=further * more)
 
     def _succeeded(self, scenario: Scenario, flights: Flights) -> NDArray[np.bool_]:
         return self.goal.succeeded(score(flights, scenario.race.judge))
@@ -248,13 +271,17 @@ class _Trial:
 
 
 def _case(scenario: Scenario, flights: Flights, failed: NDArray[np.bool_], condition: Condition, *, true: bool = True) -> Case | None:
-    """What is known of flights that failed, from the logs of those that did where most did; None where there are none of any use."""
-    if not failed.any():
-        return None
-    where = where_most_fail(scenario.race, flights, failed)
-    read = [signs_of(scenario, log, float(where.times[i])) for i, log in flights.logs.items() if where.flights[i]]
-    signs = [one for one in read if one is not None]
-    if not signs:
-        return None
-    left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free, until=where.time)
-    return Case(scenario, where, Signs.median(signs), left, flights, failed, condition, true)
+    """What is known of flights that failed, from the logs of those that did where most did; None where there are none of any use.
+
+    Where there is no log of these, the next most common place at which flights failed counts.
+    """
+    rest = failed
+    while rest.any():
+        where = where_most_fail(scenario.race, flights, rest)
+        read = [signs_of(scenario, log, float(where.times[i])) for i, log in flights.logs.items() if where.flights[i]]
+        signs = [one for one in read if one is not None]
+        if signs:
+            left = margin(scenario.race, scenario.reference, condition, offset_free=scenario.offset_free, until=where.time)
+            return Case(scenario, where, Signs.median(signs), left, flights, failed, condition, true)
+        rest = rest & ~where.flights
+    return None

@@ -13,6 +13,7 @@ from hotlap.core.records import Cause, End, Flights, Floats, Log
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
 from hotlap.race.endings import in_words
+from hotlap.race.race import GateRule
 from hotlap.reference.scenario import Scenario
 
 EDGE = 0.1  # s that a log may begin too late: the drone is at rest then
@@ -21,7 +22,8 @@ EDGE = 0.1  # s that a log may begin too late: the drone is at rest then
 def judge_log(log: FlightLog, scenario: Scenario, frame: LogFrame) -> Flights:
     """Judge a log.
 
-    It is looked at once a control period, as simulated flights are, with straight lines in between.
+    It is looked at once a control period, as simulated flights are, with straight lines in between. Nobody saw what was flown in a gap of
+    the positions: where a gate or a crash lies within one by such a line, the flight is lost where the gap begins.
 
     Args:
         log: with positions.
@@ -44,20 +46,45 @@ def judge_log(log: FlightLog, scenario: Scenario, frame: LogFrame) -> Flights:
         late = position.times[0] - frame.start
         raise InputError(log.name, "", f"begins {late:.2f} s after the start of the race: start=... says when that was")
     rotors = scenario.race.vehicle.rotor_count
-    batch = prepare_batch(scenario, scenario.space.first_guess(len(scenario.segments))[None], np.zeros(1, dtype=np.int64))
-    flight, unknown, last = OneFlight(batch), np.zeros(rotors), 0
-    flight.begin(0)
-    flight.see(states[0], unknown)
-    for last in range(1, len(states)):
-        if not np.isfinite(states[last, :3]).all():
-            flight.lose()
-            last -= 1  # noqa: PLW2901  the sample before was the last
-            break
-        if flight.judge(states[last], unknown):
-            break
+
+    def judged(seen: Floats) -> tuple[Flights, int]:
+        """The verdict over states, and the last of them that it needed."""
+        batch = prepare_batch(scenario, scenario.space.first_guess(len(scenario.segments))[None], np.zeros(1, dtype=np.int64))
+        flight, unknown, last = OneFlight(batch), np.zeros(rotors), 0
+        flight.begin(0)
+        flight.see(seen[0], unknown)
+        for last in range(1, len(seen)):
+            if not np.isfinite(seen[last, :3]).all():
+                flight.lose()
+                last -= 1  # noqa: PLW2901  the sample before was the last
+                break
+            if flight.judge(seen[last], unknown):
+                break
+        return batch.record(), last
+
+    flights, last = judged(states)
+    hidden = _hidden(scenario, flights, gaps(log, frame))
+    if hidden is not None:
+        flights, last = judged(np.where((times > hidden)[:, None], np.nan, states))
     rows = slice(0, last + 1)
     record = Log(times[rows], states[rows], np.full((last + 1, rotors), np.nan), commands(log, frame, times[rows]))
-    return replace(batch.record(), logs={0: record})
+    return replace(flights, logs={0: record})
+
+
+def gaps(log: FlightLog, frame: LogFrame) -> Floats:
+    """Gaps of the positions, shape (G, 2) [s] since the start of the race."""
+    found = log.signals["position"].gaps() - frame.start
+    return found[found[:, 1] > 0]
+
+
+def _hidden(scenario: Scenario, flights: Flights, blind: Floats) -> float | None:
+    """Begin [s] of the first gap in which straight lines have a gate, or a crash; None where there is none."""
+    by_clock = scenario.race.judge.rule is GateRule.CLOCK
+    moments = (flights.gate_times if by_clock else flights.closest_time[0])[: int(flights.gates_passed[0]) + 1]
+    ends = flights.end_time if flights.end[0] == End.CRASHED and flights.cause[0] != Cause.LOST else []
+    decided = np.array([*moments, *ends])
+    within = [begin for begin, end in blind.tolist() if ((decided > begin) & (decided < end)).any()]
+    return min(within, default=None)
 
 
 def sample(log: FlightLog, frame: LogFrame, times: Floats) -> Floats:
@@ -104,8 +131,10 @@ def commands(log: FlightLog, frame: LogFrame, times: Floats) -> Floats:
     return np.hstack([thrust, rates])
 
 
-def missing(log: FlightLog) -> Iterator[str]:
+def missing(log: FlightLog, frame: LogFrame) -> Iterator[str]:
     """What a log lacks that the judge or the charts would take, a line each."""
+    for begin, end in gaps(log, frame):
+        yield f"position: no sample from {begin:.2f} to {end:.2f} s after the start: drawn straight, and no gate in there was seen"
     if "velocity" not in log.signals:
         yield "velocity: differences of the positions"
     if "attitude" not in log.signals:
@@ -118,10 +147,13 @@ def missing(log: FlightLog) -> Iterator[str]:
         yield "commanded thrust: what the accelerometer felt along the body's z axis"
 
 
-def ending(scenario: Scenario, flights: Flights) -> str:
+def ending(scenario: Scenario, flights: Flights, log: FlightLog, frame: LogFrame) -> str:
     """How a flight that was judged ended, in words."""
     if flights.cause[0] == Cause.LOST:
         ahead = in_words(scenario.race, End.MISSED, int(flights.gates_passed[0])).removeprefix("missed ")
+        for begin, end in gaps(log, frame).tolist():
+            if abs(flights.end_time[0] - begin) <= 2 * scenario.race.controller.period:
+                return f"was not seen from {begin:.2f} to {end:.2f} s after the start, where {ahead} was: the log has no positions there"
         return f"the log ends {flights.end_time[0]:.2f} s after the start, before {ahead}"
     cause, index = Cause(int(flights.cause[0])), int(flights.cause_index[0])
     return in_words(scenario.race, End(int(flights.end[0])), int(flights.gates_passed[0]), cause, index)

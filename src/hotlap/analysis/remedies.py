@@ -23,6 +23,7 @@ class _Told:
 
     Attributes:
         words: what to do.
+        change: what that changes, in words that do not recommend it.
         condition: under which flights fail; "" where it is not about one.
         proof: what flights without the cause gave, in words; "" where there were none.
         studied: whether it was found out by other means than these flights.
@@ -30,6 +31,7 @@ class _Told:
     """
 
     words: str
+    change: str
     condition: str = ""
     proof: str = ""
     studied: bool = False
@@ -37,8 +39,8 @@ class _Told:
 
     @property
     def name(self) -> str:
-        """What it is, in words that do not recommend it."""
-        return SLOWER_PLANS if self.setting in SLOWER else self.words.removeprefix("set ")
+        """What it is, in words that do not recommend it: all slower plans are one thing."""
+        return SLOWER_PLANS if self.setting in SLOWER else self.change
 
     @property
     def setting(self) -> str:
@@ -88,8 +90,8 @@ def what_to_try(failures: Failures, further: Sequence[str] = ()) -> tuple[str, .
         failures: from `failures_of`.
         further: what else was found out, as by tuning calmer plans; it comes first.
     """
-    told = [_Told(words, studied=True) for words in further]
-    told += [_Told(one.advice, condition, one.proof, helps=one.helps) for condition, causes in failures for one in causes]
+    told = [_Told(words, words, studied=True) for words in further]
+    told += [_Told(one.advice, one.named, condition, one.proof, helps=one.helps) for condition, causes in failures for one in causes]
     groups = dict[str, list[_Told]]()
     for one in told:
         if one.helps:

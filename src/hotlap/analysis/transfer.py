@@ -34,6 +34,7 @@ Floats = NDArray[np.float64]
 TUNED, DEFAULT = "tuned", "default"
 DIGITS = 4  # of metres, in what is kept
 FINE = 0.095  # m, below which three digits are shown
+STARTING = 1.0  # s within which an error is still that of the start, which the noise draws
 Trip = tuple[str, str, int]
 """World, set of parameters and seed of a flight."""
 ATTEMPTS = 3  # at a flight that is lost
@@ -73,6 +74,12 @@ class TransferFlight(Shown):
     def complete(self) -> bool:
         """Whether every gate was passed."""
         return self.completion >= 1.0
+
+    @property
+    def later_error(self) -> float:
+        """[m] largest error after the start; of the whole flight where it ended before; NaN where there is none."""
+        later = self.errors[self.times >= STARTING]
+        return float((later if len(later) else self.errors).max()) if len(self.errors) else math.nan
 
     def summary(self) -> dict[str, Any]:
         """All but the series, as plain values."""
@@ -118,6 +125,11 @@ class TransferRow(Shown):
     def max_error(self) -> float:
         """[m] largest error of a flight, mean over all flights."""
         return float(np.mean([flight.max_error for flight in self.flights]))
+
+    @property
+    def later_error(self) -> float:
+        """[m] largest error of a flight after its start, mean over all flights."""
+        return float(np.mean([flight.later_error for flight in self.flights]))
 
     @property
     def errors(self) -> Floats:

@@ -14,6 +14,7 @@ from hotlap.api.given import as_annotated
 from hotlap.api.notebook import progress_of
 
 NAMELESS = ("progress", "cache")  # arguments that no recorded command has
+WINDOW = "window"  # argument that is two options of a command
 
 
 class Asked(SimpleNamespace):
@@ -88,6 +89,9 @@ def command_line(call: Callable[..., Any], given: Mapping[str, Any]) -> str:
             continue
         if isinstance(value, bool):
             words.append(f"--{'' if value else 'no-'}{name.replace('_', '-')}")
+            continue
+        if name == WINDOW:
+            words += [word for side, one in zip(("--from", "--to"), value, strict=True) if one is not None for word in (side, f"{one:g}")]
             continue
         values = value if isinstance(value, list | tuple) else [value]
         if not all(isinstance(one, str | int | float | Path) for one in values):

@@ -17,8 +17,9 @@ from hotlap.api.scenarios import load as load_race
 from hotlap.api.scenarios import make_ready, make_scenario
 from hotlap.core.errors import InputError, PlanningError
 from hotlap.feasibility import Finding, Level, describe
+from hotlap.feasibility.explanation import describe_margins
 from hotlap.feasibility.flown import describe_flown
-from hotlap.feasibility.margins import Margin, describe_margins, margins
+from hotlap.feasibility.margins import Margin, margins
 from hotlap.feasibility.race import describe_race
 from hotlap.files.descriptions import Description, Kind, load
 from hotlap.files.recognition import TYPES

@@ -13,12 +13,16 @@ if TYPE_CHECKING:
     from hotlap.api.progress import Progress
 
 
+KNOWN = ("mass", "thrust", "rate_loop")
+
+
 def identify(
     logs: Sequence[str | Path] | str | Path,
     *,
     quadrotor: str | Path,
-    known: str = "mass",
+    known: str | Sequence[str] = "mass",
     map: str | Path | Mapping[str, Any] | None = None,  # noqa: A002  the option's name
+    window: tuple[float | None, float | None] | None = None,
     out: Path | str | None = None,
     picture: Path | str | None = None,
     progress: Progress | bool | None = None,
@@ -28,8 +32,10 @@ def identify(
     Args:
         logs: of one vehicle: PX4 ULog, Betaflight blackbox, ArduPilot dataflash, MCAP, ROS bags, hotlap's own CSV or other tables.
         quadrotor: what it is believed to be: a built-in quadrotor or a TOML file, of its geometry, mass and form of rate loop.
-        known: what of it is taken to be right; the other is identified.
+        known: what of it is taken to be right: mass, or thrust, and the other is identified; with `,rate_loop` its rate loop, too, as
+            where a firmware's gains were copied. In Python also a list.
         map: TOML file that says which columns of a table, or which topics, are which signal; in Python also a dict.
+        window: seconds of every log's clock from which on and up to which it counts, (from, to); None: all of it.
         out: file to write, a quadrotor: .toml.
         picture: predicted against measured, where it was not fitted: .png, .svg or .pdf.
         progress: receives messages about the progress of the work; True: bars or lines; False: nothing; None: bars in a notebook.

@@ -57,6 +57,7 @@ class LapResult(Outcome):
         flown: the flight; None: a dry run.
         flights: the flight as the judge of the race sees it; None: it did not begin the race.
         scores: what it was worth; likewise.
+        ending: how it ended, by the judge, in words; "" likewise.
         log: that was written; None: nothing was flown.
     """
 
@@ -65,6 +66,7 @@ class LapResult(Outcome):
     flown: Flown | None
     flights: Flights | None = None
     scores: Scores | None = None
+    ending: str = ""
     log: Path | None = None
 
     @property
@@ -80,7 +82,7 @@ class LapResult(Outcome):
         if self.flights is not None and self.scores is not None:
             gates, scores = len(self.flights.gate_positions), self.scores
             passed = f"{self.flights.gates_passed[0]} of {gates}"
-            known["gates"] = passed if scores.complete[0] else f"{passed}: {ending(self.scenario, self.flights)}"
+            known["gates"] = passed if scores.complete[0] else f"{passed}: {self.ending}"
             known["lap time"] = f"{scores.lap_time[0]:.2f} s" if math.isfinite(scores.lap_time[0]) else "-"
             known["mean error"] = f"{scores.mean_error[0]:.2f} m from the reference"
             known["largest error"] = f"{scores.max_error[0]:.2f} m"
@@ -129,7 +131,7 @@ class LapResult(Outcome):
         if self.flights is None:
             raise InputError("", "", "there is no flight to draw: it did not begin the race")
         label = "flown"
-        one = replace(trace(self.scenario, self.flights, 0, label), ending=ending(self.scenario, self.flights))
+        one = replace(trace(self.scenario, self.flights, 0, label), ending=self.ending)
         return track(stage(self.scenario, (one,), (repeat(self.scenario.race, self.flights, slice(0, 1), label),)))
 
 
@@ -180,8 +182,10 @@ def _fly(flight: RealFlight, scenario: Scenario, log: Path) -> LapResult:
     if flown.record.race_begun is None or flown.record.log(1).times[-1] <= 0:
         return LapResult(scenario, flown.vehicle, flown, log=log if written else None)
     read = read_hotlap_csv(log)
-    flights = judge_log(read, scenario, find_frame(read, scenario))
-    return LapResult(scenario, flown.vehicle, flown, flights, score(flights, scenario.race.judge), log)
+    frame = find_frame(read, scenario)
+    flights = judge_log(read, scenario, frame)
+    ended = ending(scenario, flights, read, frame)
+    return LapResult(scenario, flown.vehicle, flown, flights, score(flights, scenario.race.judge), ended, log)
 
 
 def _write(log: Path, flight: RealFlight, scenario: Scenario) -> bool:

@@ -26,6 +26,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.logs.flight_log import FlightLog
 from hotlap.logs.key_map import asked_map
 from hotlap.logs.readers import need, read
+from hotlap.logs.window import check_window, cut
 from hotlap.reference.scenario import Scenario
 from hotlap.report.effort import Effort, effort_of
 from hotlap.report.page.replay import LOGGED, typical
@@ -164,11 +165,12 @@ def carry_out(asked: Asked) -> ScoredFlight:
     check_range("flights", asked.flights, 1, MOST_FLIGHTS)
     check_range("seed", asked.seed, 0, LARGEST_RUN_SEED)
     check_source(as_path(asked.reference))
+    check_window(asked.window)
     page = as_path(asked.out)
     check_target(page, PAGES)
     race = load(asked.race, asked.controller)
     check_guess(str(asked.first_guess))
-    log = read(asked.log, asked_map(asked.map))
+    log = cut(read(asked.log, asked_map(asked.map)), asked.window)
     need(log, ("position",), "the judge of a race")
     race = planned_as(race, asked.first_guess if asked.parameters is None else asked.parameters) if asked.reference is None else race
     scenario = make_scenario(race, asked)
@@ -179,12 +181,12 @@ def carry_out(asked: Asked) -> ScoredFlight:
     seeds = flight_seeds(asked.seed, Stream.DEMONSTRATION, 0, asked.flights)
     parameters = np.repeat(_parameters(asked, scenario)[None], len(seeds), axis=0)
     simulated, scores = Objective(scenario, world).fly_recorded(parameters, seeds, log=range(min(LOGGED, len(seeds))))
-    one = replace(trace(scenario, flights, 0, FLOWN), ending=ending(scenario, flights))
+    one = replace(trace(scenario, flights, 0, FLOWN), ending=ending(scenario, flights, log, frame))
     whole = slice(0, len(seeds))
     other = trace(scenario, simulated, typical(simulated, whole), SIMULATED)
     scene = stage(scenario, (one, other), (repeat(race, flights, slice(0, 1), FLOWN), repeat(race, simulated, whole, SIMULATED)))
     efforts = effort_of(one, scenario)[0], effort_of(other, scenario)[0]
-    notes = (*log.notes, *missing(log))
+    notes = (*log.notes, *missing(log, frame))
     mine = score(flights, race.judge)
     scored = ScoredFlight(scenario, log, frame, flights, mine, simulated, scores, scene, efforts, notes, page)
     if page is not None:

@@ -22,6 +22,7 @@ def score(
     *,
     race: Race | str | Path,
     map: str | Path | Mapping[str, Any] | None = None,  # noqa: A002  the option's name
+    window: tuple[float | None, float | None] | None = None,
     align: bool = False,
     start: float | None = None,
     parameters: str | Path | Parameters | None = None,
@@ -40,6 +41,7 @@ def score(
         log: of a flight: PX4 ULog, Betaflight blackbox, ArduPilot dataflash, MCAP, a ROS bag, hotlap's own CSV or another table.
         race: a built-in race (hotlap races) or a TOML file; in Python also a `Race`.
         map: TOML file that says which columns of a table, or which topics, are which signal; in Python also a dict.
+        window: seconds of the log's clock from which on and up to which it counts, (from, to); None: all of it.
         align: lay the flight over the reference, by a shift and a turn about z, where the frame of the log is not that of the race.
         start: seconds of the log's clock at which the race begins; None: found.
         parameters: of the simulated flights: a parameters file or a study's folder; in Python also numbers, shape (segments, parameters).

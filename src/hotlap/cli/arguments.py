@@ -12,7 +12,7 @@ from hotlap.api.checking import check
 from hotlap.api.comparing import compare
 from hotlap.api.exporting import export
 from hotlap.api.flying import fly
-from hotlap.api.identifying import identify
+from hotlap.api.identifying import KNOWN, identify
 from hotlap.api.importing import import_file
 from hotlap.api.lapping import lap
 from hotlap.api.planning import plan
@@ -118,7 +118,7 @@ def _import(parser: Parser) -> None:
 
 
 def _identify(parser: Parser) -> None:
-    add_call(parser, identify, known=Shown("WHAT", "quantity", ("mass", "thrust")))
+    add_call(parser, identify, known=Shown("LIST", values=", ".join(KNOWN)))
 
 
 def _plan(parser: Parser) -> None:

@@ -29,7 +29,7 @@ def run(options: Namespace) -> int:
 def _lines(found: IdentifiedQuadrotor) -> Iterator[Line]:
     """Numbers, predictions, what is missing, and files."""
     known = found.identification
-    yield f"{found.facts()['title']}; its {known.known} is taken to be right"
+    yield f"{found.facts()['title']}; taken to be right: its {known.known}"
     cells = [("number", "value", "95 % interval", "unit", "base"), *(_cells(one) for one in found.estimates if one.told)]
     yield from table(cells, right=(1, 4), indent="  ")
     yield "seconds that were not fitted: error of what is predicted, and of the base (rms)"
@@ -45,6 +45,8 @@ def _lines(found: IdentifiedQuadrotor) -> Iterator[Line]:
             if one.manoeuvre:
                 yield f"    would tell: {one.manoeuvre}"
     yield from (f"note: {note}" for note in known.notes)
+    if found.hold:
+        yield f'what the intervals leave open, for tune and fly: --hold "{found.hold}"'
     if found.picture is not None:
         yield f"picture written to {found.picture}"
     if found.file is not None:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from hotlap.api.asked import WINDOW
 from hotlap.cli.parser import Parser, duration, fraction, number, one_of, path, whole
 from hotlap.core.world_names import BUILT_IN, OWN, SIMULATORS
 from hotlap.exporters.formats import FORMATS
@@ -17,6 +18,7 @@ from hotlap.reference.segmentation_rule import SegmentationRule
 from hotlap.tuning.goal_forms import FORMS
 
 SEVERAL = ("races", "logs")  # arguments of which several may be given
+WINDOW_OPTIONS = {"from": "seconds of the log's clock before which nothing counts", "to": "and after which nothing counts"}
 ONLY_IN_PYTHON = "; in Python"  # what follows it in a docstring is not for the command line
 _ARGUMENTS = re.compile(r"^Args:\n(.*?)(?:\n\n|\Z)", re.DOTALL | re.MULTILINE)
 _ARGUMENT = re.compile(r"^    (\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
@@ -78,13 +80,24 @@ def add_call(parser: Parser, call: Callable[..., Any], **shown: Shown) -> None:
     """
     meanings = meanings_of(call)
     for name, parameter in inspect.signature(call).parameters.items():
-        if name != "progress":
+        if name == WINDOW:
+            for side, meaning in WINDOW_OPTIONS.items():
+                parser.add_argument(f"--{side}", type=number, metavar="S", help=meaning)
+        elif name != "progress":
             _add(parser, parameter, meanings.get(name, ""), shown.get(name, SHOWN.get(name)))
 
 
 def arguments_of(call: Callable[..., Any], options: Any) -> dict[str, Any]:
     """What was asked for on the command line, by the call's parameters."""
-    return {name: getattr(options, name) for name in inspect.signature(call).parameters if name != "progress"}
+    return {name: _given(options, name) for name in inspect.signature(call).parameters if name != "progress"}
+
+
+def _given(options: Any, name: str) -> Any:
+    """The value of one parameter."""
+    if name != WINDOW:
+        return getattr(options, name)
+    sides = tuple(getattr(options, side) for side in WINDOW_OPTIONS)
+    return None if sides == (None, None) else sides
 
 
 def meanings_of(call: Callable[..., Any]) -> dict[str, str]:

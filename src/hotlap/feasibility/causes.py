@@ -7,7 +7,7 @@ A cause is suspected by a sign, and each suspicion names what would remove it. W
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights
-from hotlap.feasibility.margins import Margin, explain, help_with, margin
+from hotlap.feasibility.explanation import help_with, verdict_on
+from hotlap.feasibility.margins import Margin, margin
 from hotlap.feasibility.race import SAME_MASS, missing_mass
 from hotlap.feasibility.signs import BEFORE, Signs
 from hotlap.feasibility.where import Where
@@ -64,6 +65,7 @@ class Cure:
 
     Attributes:
         advice: what to do, in words.
+        change: what that changes, in words that do not recommend it.
         race: with it; its vehicle is replaced by `vehicle_parameters`.
         vehicle_parameters: shape (P,) of the vehicle that flies.
         replanned: whether the race has to be planned anew.
@@ -72,6 +74,7 @@ class Cure:
     """
 
     advice: str
+    change: str
     race: Race
     vehicle_parameters: Floats
     replanned: bool = False
@@ -156,9 +159,9 @@ class Case:
         """One of them."""
         return float(self.vehicle_parameters[VEHICLE_PARAMETERS.index(name)])
 
-    def cure(self, advice: str, race: Race, *, replanned: bool = False) -> Cure:
-        """One that changes the race alone."""
-        return Cure(advice, race, self.vehicle_parameters, replanned)
+    def cure(self, change: str, race: Race, *, replanned: bool = False) -> Cure:
+        """One that sets keys of the race alone."""
+        return Cure(f"set {change}", change, race, self.vehicle_parameters, replanned)
 
 
 def suspect(case: Case) -> tuple[Suspicion, ...]:
@@ -182,12 +185,11 @@ def _no_margin(case: Case) -> Iterator[Suspicion]:
     low, high = race.controller.thrust
     race = _knowing(race, mass=case.vehicle("mass"))
     race = _controlled(race, thrust=(low, stronger * high))
-    words, *_ = explain(scenario.race, scenario.reference, found, planned=case.planned).rpartition("; ")
-    advice = help_with(scenario.race, scenario.reference, lap, planned=case.planned)  # what helps has to do so to the end
-    cures = [Cure(advice, race, row, supposed="with enough of it")]
+    helps = help_with(scenario.race, scenario.reference, lap, planned=case.planned)  # what helps has to do so to the end
+    cures = [Cure(helps.advice, helps.change, race, row, supposed="with enough of it")]
     if not case.scenario.offset_free and _estimated(case).thrust > 1:
-        cures.insert(0, case.cure("set controller.offset_free = true", _controlled(case.race, offset_free=True)))
-    yield Suspicion(FailureCause.NO_MARGIN, words, tuple(cures), certain=found.lacking)
+        cures.insert(0, case.cure("controller.offset_free = true", _controlled(case.race, offset_free=True)))
+    yield Suspicion(FailureCause.NO_MARGIN, verdict_on(found), tuple(cures), certain=found.lacking)
 
 
 def _estimated(case: Case) -> Margin:
@@ -204,9 +206,9 @@ def _dead_time(case: Case) -> Iterator[Suspicion]:
     far = unknown * case.top_speed
     found = f"{unknown * 1e3:.0f} ms that the controller does not know of, {far:.2f} m {case.at_top_speed}"
     if race.controller.predict:
-        cure = case.cure(f"set model.delay = {delay:g}", _knowing(race, delay=delay))
+        cure = case.cure(f"model.delay = {delay:g}", _knowing(race, delay=delay))
     else:
-        cure = case.cure("set controller.predict = true", _controlled(_knowing(race, delay=delay), predict=True))
+        cure = case.cure("controller.predict = true", _controlled(_knowing(race, delay=delay), predict=True))
     yield Suspicion(FailureCause.DEAD_TIME, found, (cure,))
 
 
@@ -223,11 +225,14 @@ def _unknown_force(case: Case) -> Iterator[Suspicion]:
     gives = f"a command gives {acted:.0%} of the thrust that the controller takes for granted"
     blown = f"a wind pushes with {wind:g} m/s^2" if wind else f"drag takes {resisted:.1f} m/s^2 {case.at_top_speed}"
     pushed = f"{blown}, of which the controller does not know" if known else gives
-    cures = [case.cure("set controller.offset_free = true", _controlled(race, offset_free=True))]
+    cures = [case.cure("controller.offset_free = true", _controlled(race, offset_free=True))]
     if not known:
-        weighed = f"set model.mass = {case.vehicle('mass'):g}" if not case.condition.changes and abs(missing_mass(race)) > SAME_MASS else ""
-        knowing, supposed = _knowing(race, mass=case.vehicle("mass")), "" if weighed else "with it known"
-        cures.append(Cure(weighed or "weigh the drone, measure its thrust", knowing, case.vehicle_parameters, supposed=supposed))
+        knowing = _knowing(race, mass=case.vehicle("mass"))
+        if not case.condition.changes and abs(missing_mass(race)) > SAME_MASS:
+            cures.append(case.cure(f"model.mass = {case.vehicle('mass'):g}", knowing))
+        else:
+            measure, known = "weigh the drone, measure its thrust", "to know mass and thrust"
+            cures.append(Cure(measure, known, knowing, case.vehicle_parameters, supposed="with it known"))
     yield Suspicion(FailureCause.UNKNOWN_FORCE, f"{pushed}; the drone ends {height}", tuple(cures))
 
 
@@ -248,7 +253,7 @@ def _chattering(case: Case) -> Iterator[Suspicion]:
     found += ", with the thrust at its own" if signs.saturated > MOSTLY else ""
     weights = tuple(float(a * b) for a, b in zip(race.controller.input_weights, DAMPED, strict=True))
     written = ", ".join(f"{weight:g}" for weight in weights)
-    cure = case.cure(f"set controller.input_weights = [{written}]", _controlled(race, input_weights=weights))
+    cure = case.cure(f"controller.input_weights = [{written}]", _controlled(race, input_weights=weights))
     yield Suspicion(FailureCause.CHATTERING, found, (cure,))
 
 
@@ -261,7 +266,7 @@ def _saturated(case: Case) -> Iterator[Suspicion]:
     cures = []
     if race.planning.dynamics is PlanDynamics.IDEAL:
         full = race.model_copy(update={"planning": race.planning.model_copy(update={"dynamics": PlanDynamics.FULL})})
-        words = 'set planning.dynamics = "full"'
+        words = 'planning.dynamics = "full"'
         if race.controller.predict and race.controller.lag_lead < LEAD:
             full, words = _controlled(full, lag_lead=LEAD), f"{words} and controller.lag_lead = {LEAD:g}"
         cures.append(case.cure(words, full, replanned=True))
@@ -275,7 +280,7 @@ def _late(case: Case) -> Iterator[Suspicion]:
     signs, race = case.signs, case.race
     if race.controller.predict and race.controller.lag_lead < LEAD:
         found = f"rates follow {race.control_model.lag * 1e3:.0f} ms behind their commands, and the controller makes up for little of it"
-        lead = case.cure(f"set controller.lag_lead = {LEAD:g}", _controlled(race, lag_lead=LEAD))
+        lead = case.cure(f"controller.lag_lead = {LEAD:g}", _controlled(race, lag_lead=LEAD))
         yield Suspicion(FailureCause.LATE, found, (lead,))
     if not signs.behind:
         return
@@ -283,12 +288,12 @@ def _late(case: Case) -> Iterator[Suspicion]:
     found = f"{-signs.along:.2f} m behind on the path at the end, {-signs.along / speed * 1e3:.0f} ms, and {signs.aside:.2f} m beside it"
     cures = []
     if not case.scenario.offset_free:
-        cures.append(case.cure("set controller.offset_free = true", _controlled(race, offset_free=True)))
+        cures.append(case.cure("controller.offset_free = true", _controlled(race, offset_free=True)))
     cures += _calmer(case)
     if race.judge.rule is GateRule.CLOCK:
         judge = race.judge.model_copy(update={"rule": GateRule.CLOSEST})
-        words = 'where being on time does not count, set judge.rule = "closest"'
-        cures.append(case.cure(words, race.model_copy(update={"judge": judge})))
+        closest = case.cure('judge.rule = "closest"', race.model_copy(update={"judge": judge}))
+        cures.append(replace(closest, advice=f"where being on time does not count, {closest.advice}"))
     if cures:
         yield Suspicion(FailureCause.LATE, found, tuple(cures))
 
@@ -314,7 +319,8 @@ def _opening(case: Case) -> Iterator[Suspicion]:
     judge = race.judge.model_copy(update={"distance": WIDER * race.judge.distance})
     small = race.vehicle.model_copy(update={"radius": max(race.vehicle.outer_radius - (WIDER - 1) * room, 0.0)})
     wide = race.model_copy(update={"judge": judge, "vehicle": small} if race.judge.rule is GateRule.OPENING else {"judge": judge})
-    wider = Cure(f"{(WIDER - 1) * room:.2f} m more of room would do", wide, case.vehicle_parameters, supposed="with so much more room")
+    more = f"{(WIDER - 1) * room:.2f} m more of room"
+    wider = Cure(f"give the gates {more}", more, wide, case.vehicle_parameters, supposed="with so much more room")
     yield Suspicion(FailureCause.OPENING, found, (*_calmer(case), wider))
 
 
@@ -325,7 +331,7 @@ def _calmer(case: Case) -> list[Cure]:
         return []
     share = round(CALMER * race.planning_model.max_acceleration / race.control_model.max_acceleration, 2)
     calm = race.model_copy(update={"planning": race.planning.model_copy(update={"thrust_share": share})})
-    return [case.cure(f"set planning.thrust_share = {share:g}", calm, replanned=True)]
+    return [case.cure(f"planning.thrust_share = {share:g}", calm, replanned=True)]
 
 
 def _knowing(race: Race, **known: float) -> Race:

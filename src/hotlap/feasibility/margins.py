@@ -16,7 +16,7 @@ cannot turn the drone.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from hotlap.core.shown import Shown
 from hotlap.feasibility.demands import HELD, needed_vectors, running_mean
-from hotlap.feasibility.finding import Finding, note_if
 from hotlap.race.battery import MOST_LOST
 from hotlap.race.conditions import DEFAULT_CONDITIONS, UNCHANGED, Condition
 from hotlap.race.race import Race
@@ -37,8 +36,6 @@ ENOUGH = 1.05  # reserve from which on flights hold whose controller knows its t
 FOR_TORQUE = 0.9  # of the rotors' thrust: all of it leaves none to turn with
 AT_GATE = 0.15  # s around its time
 SAME = 0.005  # difference of two margins that says nothing
-ALL = 0.999  # of the rates
-HOVERING = 1.15  # thrust-to-weight below which a plan makes no sense
 
 Floats = NDArray[np.float64]
 
@@ -215,55 +212,6 @@ def in_wind(vectors: Floats, wind: float) -> Floats:
     return np.hypot(np.linalg.norm(vectors[:, :2], axis=1) + wind, vectors[:, 2])
 
 
-def share_with_margin(race: Race, found: Margin) -> float | None:
-    """About the `planning.thrust_share` whose plan leaves enough; None where none does, or the race does not plan by a share.
-
-    Args:
-        race: whose plan it is.
-        found: its margin.
-    """
-    if race.planning.quadrotor is not None:
-        return None
-    most = race.control_model.max_acceleration
-    share = math.floor(100 * found.shrink * race.planning_model.max_acceleration / most) / 100
-    return share if share * most > HOVERING * race.control_model.gravity else None
-
-
-def explain(race: Race, reference: Reference, found: Margin, *, planned: bool = True) -> str:
-    """What a margin means and what would help, in words; "" where enough is left.
-
-    Args:
-        race: that is flown.
-        reference: whose margin it is.
-        found: the margin.
-        planned: whether the reference was planned; a plan for less thrust can take its place.
-    """
-    if found.enough:
-        return ""
-    verdict = "no weights will help" if found.lacking else "hardly any is left to correct with"
-    if not found.lacking and found.thrust >= ENOUGH:
-        verdict = "less what the rotors need to turn the drone, hardly any is left to correct with"
-    verdict = "for a while less than that is there" if found.thrust < 1 and found.passing else verdict
-    cure = help_with(race, reference, found, planned=planned)
-    return f"{found.figure} of the thrust that is needed {found.place}: {verdict}; {cure}"
-
-
-def help_with(race: Race, reference: Reference, found: Margin, *, planned: bool = True) -> str:
-    """What would leave enough thrust, in words; arguments as for `explain`."""
-    capped = planned and race.planning_model.max_acceleration > 0.94 * race.controller.thrust[1]  # a higher limit makes a bolder plan
-    if found.limit is not None and not capped:
-        return f"controller.thrust = [{race.controller.thrust[0]:g}, {math.ceil(10 * found.limit) / 10:g}] would: the rotors have it"
-    share = share_with_margin(race, found) if planned else None
-    if share is not None:
-        return f"planning.thrust_share = {share:g} would, about"
-    if planned and race.planning.quadrotor is None:
-        return "no plan would: the vehicle is too weak"
-    most = found.shrink * running_mean(reference.thrust[: reference.planned_rows], round(HELD / reference.period)).max()
-    if most < HOVERING * race.control_model.gravity:
-        return "stronger rotors would, no slower plan does"
-    return f"{'a plan' if planned else 'a reference'} that takes at most {most:.1f} m/s^2 would"
-
-
 def margins(race: Race, reference: Reference, *, offset_free: bool = False) -> tuple[Margin, ...]:
     """Margins as the race is, then under those conditions that every controller is asked to bear and that cost thrust.
 
@@ -275,25 +223,6 @@ def margins(race: Race, reference: Reference, *, offset_free: bool = False) -> t
     vectors, every = needed_vectors(race.vehicle, reference), (UNCHANGED, *DEFAULT_CONDITIONS)
     found = [margin(race, reference, condition, offset_free=offset_free, vectors=vectors) for condition in every]
     return tuple(one for one in found if one is found[0] or one.thrust < found[0].thrust - SAME)
-
-
-def describe_margins(race: Race, reference: Reference, found: Sequence[Margin], *, planned: bool = True) -> Iterator[Finding]:
-    """What is left of thrust and rates.
-
-    Args:
-        race: that is flown.
-        reference: planned or read.
-        found: from `margins`.
-        planned: whether it was planned.
-    """
-    for one in found:
-        told = explain(race, reference, one, planned=planned).removeprefix(f"{one.figure} ")
-        remark = told or f"of the thrust that is needed, {one.place}"
-        label, figures = f"- {one.condition.name}" if one.condition.changes else "thrust left", {"thrust_margin": one.thrust}
-        yield Finding(label, one.figure, remark, note_if(not one.enough), figures)
-    rates, tight = found[0].rates, found[0].rates < ALL
-    remark = f"of the body rates that are needed{'; raise controller.rates' * tight}"
-    yield Finding("rates left", f"{rates:.2f}", remark, note_if(tight), {"rates_margin": rates})
 
 
 def place_of(race: Race, reference: Reference, time: float) -> str:

@@ -26,6 +26,17 @@ def suspect_weights(case: Case, parameters: Parameters) -> Suspicion:
     return Suspicion(FailureCause.WEIGHTS, found, tuple(_others(case, parameters)))
 
 
+def none_helps(gate: str) -> str:
+    """What to do where none of these weights helps, in words.
+
+    Args:
+        gate: the name of the one at which most flights fail; "" where they pass all.
+    """
+    sizes = " or ".join(f"{size:g}" for size in FACTORS)
+    helped = f"gets many more flights past {gate}" if gate else "makes many more flights meet the goal"
+    return f"no single weight, {sizes} times larger or smaller, {helped}: look at the flights"
+
+
 def _others(case: Case, parameters: Parameters) -> Iterator[Cure]:
     """Parameters of which one is another, as far as its bounds allow."""
     space = case.scenario.space
@@ -33,5 +44,5 @@ def _others(case: Case, parameters: Parameters) -> Iterator[Cure]:
         for factor, words in ((by, f"{how} by {size:g}") for size in FACTORS for by, how in ((size, "multiplied"), (1 / size, "divided"))):
             others = parameters.astype(float)
             others[..., k] *= factor
-            advice = f"tune further, from {name} {words} in all segments"
-            yield Cure(advice, case.race, case.vehicle_parameters, parameters=space.clip(others))
+            change = f"{name} {words} in all segments"
+            yield Cure(f"tune further, from {change}", change, case.race, case.vehicle_parameters, parameters=space.clip(others))

@@ -19,7 +19,7 @@ from hotlap.identification.unknowns import AXES
 from hotlap.race.quadrotor import Quadrotor
 
 STEP = 1e-5  # of derivatives
-MOST = {"log": math.log(1.25), "s": 0.01, "1/s": 0.2, "": 0.5, "N s^2/m^2": math.inf, "N^0.5 s/m": math.inf}
+MOST = {"log": math.log(1.25), "factor": math.log(2.0), "s": 0.01, "1/s": 0.2, "": 0.5, "N s^2/m^2": math.inf, "N^0.5 s/m": math.inf}
 PARTS = {"integral": "factor of i, roll and pitch", "integral_z": "factor of i, yaw", "damping": "factor of d"}
 TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}
 
@@ -122,11 +122,11 @@ def _asked(base: Quadrotor, present: set[str], *, thrust_known: bool) -> list[_A
     for name, former, sign in (("up", up, -0.5), ("down", down, 0.5)):
         of = lambda n, s=sign: n["lag"] * n["lag_ratio"] ** s  # noqa: E731
         found.append(_Asked(f"motor lag {name}", "motor_time", "s", of, former, True, MOST["log"], _why_lag))
-    found += [_gain(base, k) for k in range(3)]
+    found += [_gain(base, k) for k in range(3) if f"gain_{AXES[k]}" in present]
     for name, words in PARTS.items():
         if name in present:
             of = lambda n, one=name: n[one]  # noqa: E731
-            found.append(_Asked(words, f"rate_loop.{name}", "", of, 1.0, True))
+            found.append(_Asked(words, f"rate_loop.{name}", "", of, 1.0, True, MOST["factor"]))
     found.append(_Asked("dead time", "delay", "s", lambda n: n["delay"], base.delay, False, MOST["s"], _why_delay))
     return found + _drags(base, present)
 
@@ -183,7 +183,7 @@ def _spread(rows: Sequence[Floats]) -> tuple[float, float]:
 
 
 def _why_thrust(evidence: Sequence[Evidence]) -> tuple[str, str]:
-    throttles = [one.thrust_command.values[:, 0] for one in evidence if one.thrust_command is not None]
+    throttles = [one.flown(one.thrust_command)[:, 0] for one in evidence if one.thrust_command is not None]
     if not throttles:
         return "no thrust command is logged", ""
     if all(one.output is None for one in evidence):
@@ -193,7 +193,7 @@ def _why_thrust(evidence: Sequence[Evidence]) -> tuple[str, str]:
 
 
 def _why_battery(evidence: Sequence[Evidence]) -> tuple[str, str]:
-    low, high = _spread([one.thrust_command.values[:, 1] for one in evidence if one.thrust_command is not None])
+    low, high = _spread([one.flown(one.thrust_command)[:, 1] for one in evidence if one.thrust_command is not None])
     return (
         f"the battery was from {low:.2f} to {high:.2f} V only",
         WORDS["battery"],
@@ -207,7 +207,7 @@ def _why_lag(evidence: Sequence[Evidence]) -> tuple[str, str]:
 
 def _why_gain(evidence: Sequence[Evidence], k: int) -> tuple[str, str]:
     turn = TURNS[AXES[k]]
-    moved = max(float(one.rate_command.values[:, k].std()) for one in evidence)
+    moved = max(float(one.flown(one.rate_command)[:, k].std()) for one in evidence)
     return f"{turn} was hardly asked to turn ({moved:.2g} rad/s rms)", WORDS[turn]
 
 

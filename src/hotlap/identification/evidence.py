@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,48 +11,23 @@ from numpy.typing import NDArray
 
 from hotlap.core.errors import InputError
 from hotlap.core.records import Floats
-from hotlap.logs.flight_log import FlightLog, Signal
+from hotlap.identification.ground import ground
+from hotlap.identification.held import Held
+from hotlap.identification.usable import SHORTEST, usable
+from hotlap.logs.flight_log import GAP, FlightLog, Signal
 from hotlap.race.race import PLANT_STEP
 
 Mask = NDArray[np.bool_]
 
-SHORTEST = 5.0  # s of a log
 FINEST = 200.0  # samples a second that are kept; more are averaged
-COARSEST = 20.0  # samples a second below which a rate loop cannot be seen
-GAP = 0.25  # s without a sample
+COMMANDS = ("rate_command", "thrust_command")
+MADE_OF = {  # signals without which an output is not known, or not predicted
+    "rates": ("rates", *COMMANDS),
+    "force": ("acceleration", *COMMANDS, "battery", "velocity", "attitude"),
+    "velocity": ("velocity", *COMMANDS, "battery", "attitude"),
+}
+SLOW = 2.0  # s without a sample of a battery, which changes slowly, that are a gap
 SETTLING = 0.5  # s after a gap, and after the start, that do not count
-MOST_RATE = 70.0  # rad/s: more are degrees a second
-MOST_FORCE = 300.0  # m/s^2
-
-
-@dataclass(frozen=True)
-class Held:
-    """A command that holds until the next one.
-
-    Attributes:
-        times: shape (N,) [s].
-        values: shape (N, D).
-    """
-
-    times: Floats
-    values: Floats
-
-    def means(self, edges: Floats, values: Floats | None = None) -> Floats:
-        """Means between edges, shape (len(edges) - 1, D); before the first sample and after the last these are held.
-
-        Args:
-            edges: [s], increasing.
-            values: in place of the own ones, shape (N, D).
-        """
-        held = self.values if values is None else values
-        spans = np.diff(self.times)
-        sums = np.vstack([np.zeros(held.shape[1]), np.cumsum(held[:-1] * spans[:, None], axis=0)])
-        ends = np.concatenate([[self.times[0] - 1e3], self.times, [self.times[-1] + 1e3]])
-        columns = []
-        for d in range(held.shape[1]):
-            total = np.concatenate([[-1e3 * held[0, d]], sums[:, d], [sums[-1, d] + 1e3 * held[-1, d]]])
-            columns.append(np.diff(np.interp(edges, ends, total)) / np.diff(edges))
-        return np.column_stack(columns)
 
 
 @dataclass(frozen=True)
@@ -69,6 +45,8 @@ class Evidence:
         rotations: shape (N + 1, 3, 3) from body to world at the edges; None where the log has no attitude.
         air: shape (N + 1, 3) [m/s] velocity (body); None where the log has none.
         counts: for rates, force and velocity, which samples count.
+        ground: shape (G, 2) [s] stretches on the ground between the first take-off and the last landing.
+        notes: what was left out, a line each.
     """
 
     name: str
@@ -81,6 +59,20 @@ class Evidence:
     rotations: Floats | None
     air: Floats | None
     counts: dict[str, Mask]
+    ground: Floats
+    notes: tuple[str, ...] = ()
+
+    @property
+    def seconds(self) -> float:
+        """Of flight."""
+        return float(self.grid[-1] - self.grid[0] - np.diff(self.ground, axis=1).sum())
+
+    def flown(self, held: Held) -> Floats:
+        """What a command was in flight, shape (samples, D)."""
+        inside = (held.times >= self.grid[0]) & (held.times <= self.grid[-1])
+        for begin, end in self.ground:
+            inside &= (held.times < begin) | (held.times > end)
+        return held.values[inside]
 
     @property
     def has_battery(self) -> bool:
@@ -99,12 +91,14 @@ def lay_out(log: FlightLog) -> Evidence:
     Raises:
         InputError: it lacks what no identification can do without, or cannot be right.
     """
-    _check(log)
-    signals = log.signals
+    signals, left_out = usable(log)
     needed = [signals[name] for name in ("rates", "rate_command", "thrust_command") if name in signals]
     start, end = max(one.times[0] for one in needed), min(one.times[-1] for one in needed)
-    if end - start < SHORTEST:
-        raise InputError(log.name, "", f"{max(end - start, 0.0):.1f} s with commands and rates; at least {SHORTEST:g} s are needed")
+    standing = ground(signals, start, end)
+    start, end, within = _airborne(start, end, standing)
+    if end - start - np.diff(within, axis=1).sum() < SHORTEST:
+        apart = f", and {np.diff(standing, axis=1).sum():.1f} s on the ground" if len(standing) else ""
+        raise InputError(log.name, "", f"{max(end - start, 0.0):.1f} s with commands and rates{apart}; at least {SHORTEST:g} s are needed")
     grid = start + PLANT_STEP * np.arange(round((end - start) / PLANT_STEP) + 1)
     rotations, air = _motion(signals, grid)
     rates, command = _within(signals["rates"], grid), _held(signals["rate_command"])
@@ -115,35 +109,31 @@ def lay_out(log: FlightLog) -> Evidence:
         elif rotations is not None and "velocity" in signals:
             velocity = _within(signals["velocity"], grid)
     outputs = {"rates": rates, "force": force, "velocity": velocity}
-    gaps = np.concatenate([_gaps(signals[name]) for name in ("rates", "rate_command")] + [np.array([[start, start]])])
-    counts = {name: _counting(one, gaps) for name, one in outputs.items() if one is not None}
-    return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts)
+    always = np.concatenate([[[start, start]], within])
+    counts = dict[str, Mask]()
+    for name, one in outputs.items():
+        if one is not None:
+            made_of = [signals[made] for made in MADE_OF[name] if made in signals]
+            missing = [_gaps(part, SLOW if part is signals.get("battery") else GAP, start, end) for part in made_of]
+            counts[name] = _counting(one, np.concatenate([always, *missing]))
+    notes = (*left_out, *_on_the_ground(log.name, standing))
+    return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts, within, notes)
 
 
-def _check(log: FlightLog) -> None:
-    """Refuse a log that cannot be used."""
-    for name, what in (("rates", "no body rates: a gyroscope's log is needed"), ("rate_command", "no commanded body rates")):
-        if name not in log.signals:
-            raise InputError(log.name, name, f"is missing: {what}")
-        signal = log.signals[name]
-        if signal.values.shape[1] != 3:
-            raise InputError(log.name, name, f"has {signal.values.shape[1]} axes, not 3")
-        if len(signal.times) < 2 or signal.rate < COARSEST:
-            raise InputError(log.name, name, f"has {signal.rate:.3g} samples a second; at least {COARSEST:g} are needed")
-        largest = float(np.percentile(np.abs(signal.values), 99))
-        if largest > MOST_RATE:
-            raise InputError(log.name, name, f"reaches {largest:.0f} rad/s: is it in degrees a second?")
-    for name, signal in log.signals.items():
-        if not np.isfinite(signal.values).all() or (np.diff(signal.times) <= 0).any():
-            raise InputError(log.name, name, "has values that are not finite, or times that do not increase")
-    if "thrust_command" in log.signals:
-        thrust = log.signals["thrust_command"].values
-        if thrust.max() > 1.5 or thrust.min() < -0.5:
-            raise InputError(log.name, "thrust_command", f"is from {thrust.min():.3g} to {thrust.max():.3g}, not from 0 to 1")
-    if "acceleration" in log.signals:
-        force = float(np.median(np.linalg.norm(log.signals["acceleration"].values, axis=1)))
-        if not 3.0 < force < MOST_FORCE:
-            raise InputError(log.name, "acceleration", f"is {force:.3g} m/s^2 in the median, not about 10: is it in g, or without gravity?")
+def _airborne(start: float, end: float, standing: Floats) -> tuple[float, float, Floats]:
+    """Take-off, landing, and the stretches on the ground in between."""
+    if len(standing) and standing[0, 0] <= start:
+        start, standing = float(standing[0, 1]), standing[1:]
+    if len(standing) and standing[-1, 1] >= end:
+        end, standing = float(standing[-1, 0]), standing[:-1]
+    return start, end, standing
+
+
+def _on_the_ground(name: str, standing: Floats) -> Iterator[str]:
+    """What is left out, in words."""
+    if len(standing):
+        when = ", ".join(f"{begin:.1f} to {end:.1f}" for begin, end in standing)
+        yield f"{name}: {np.diff(standing, axis=1).sum():.1f} s on the ground were left out ({when} s)"
 
 
 def _held(signal: Signal) -> Held:
@@ -196,11 +186,10 @@ def _motion(signals: Any, grid: Floats) -> tuple[Floats | None, Floats | None]:
     return rotations, np.einsum("kji,kj->ki", rotations, world)
 
 
-def _gaps(signal: Signal) -> Floats:
-    """Begin and end of each gap, shape (G, 2)."""
-    spans = np.diff(signal.times)
-    k = np.flatnonzero(spans > max(GAP, 5 * float(np.median(spans))))
-    return np.column_stack([signal.times[k], signal.times[k + 1]])
+def _gaps(signal: Signal, least: float, start: float, end: float) -> Floats:
+    """Begin and end of each gap between two times, shape (G, 2) [s], also where a signal begins later or ends earlier."""
+    outside = [(start, signal.times[0]), (signal.times[-1], end)]
+    return np.array([*signal.gaps(least).tolist(), *((a, b) for a, b in outside if b - a > least)], dtype=np.float64).reshape(-1, 2)
 
 
 def _counting(signal: Signal, gaps: Floats) -> Mask:
@@ -209,3 +198,9 @@ def _counting(signal: Signal, gaps: Floats) -> Mask:
     for begin, end in gaps:
         counts &= ~((signal.times >= begin) & (signal.times < end + SETTLING))
     return counts
+
+
+def stretches(counts: Mask) -> NDArray[np.int64]:
+    """The number of the stretch without a gap that each sample lies in, shape (N,), from 0 on; a gap belongs to the one before."""
+    resumed = np.concatenate([[False], counts[1:] & ~counts[:-1]])
+    return np.maximum(np.cumsum(resumed) - int(not counts[0]), 0)

@@ -77,7 +77,7 @@ def search(models: Sequence[Model], unknowns: Sequence[Unknown]) -> dict[str, fl
         Starts by name, as counted.
     """
     found = {one.name: one.start for one in unknowns}
-    throttles = [m.evidence.thrust_command.values[:, 0] for m in models if m.evidence.thrust_command is not None]
+    throttles = [m.evidence.flown(m.evidence.thrust_command)[:, 0] for m in models if m.evidence.thrust_command is not None]
     if throttles:
         hover = max(float(np.median(np.concatenate(throttles))), 0.02)
         c = found.get("curvature", 0.0)
@@ -87,7 +87,7 @@ def search(models: Sequence[Model], unknowns: Sequence[Unknown]) -> dict[str, fl
     for gain in GAINS:
         for delay in DELAYS:
             theta = {**found, "delay": delay}
-            theta |= {name: found[name] + math.log(gain) for name in ("gain_x", "gain_y", "gain_z")}
+            theta |= {name: value + math.log(gain) for name, value in found.items() if name.startswith("gain_")}
             numbers = numbers_of(unknowns, np.array([theta[one.name] for one in unknowns]))
             cost = sum(float((m.rates_left(numbers) ** 2).sum()) for m in models)
             tried.append((cost, theta))
@@ -106,8 +106,8 @@ class _Problem:
         """All that is left, then how far theta is from what was believed."""
         numbers, parts = numbers_of(self.unknowns, theta), []
         for model, counts in zip(self.models, self.counts, strict=True):
-            for name, left in model.left(numbers).items():
-                parts.append((left[counts[name]] / self.scales[name]).ravel())
+            left = model.left(numbers).items()
+            parts += [(one[counts[name]] / self.scales[name]).ravel() for name, one in left if name in counts]
         return np.concatenate([*parts, (theta - self._start) / self._belief])
 
     def jacobian(self, theta: Floats) -> Floats:
@@ -125,6 +125,8 @@ class _Problem:
         numbers, gathered = numbers_of(self.unknowns, theta), dict[str, list[Floats]]()
         for k, model in enumerate(self.models):
             for name, left in model.left(numbers).items():
+                if name not in self.counts[k]:
+                    continue
                 spread = 1.4826 * np.median(np.abs(left[self.counts[k][name]]), axis=0) + LEAST_SCALE
                 within = (np.abs(left) < OUTLIER * np.maximum(spread, 0.5 * self.scales[name])).all(axis=1)
                 gathered.setdefault(name, []).append(left[self.counts[k][name] & within])
@@ -159,7 +161,7 @@ def fit(
         models: one of each log.
         unknowns: P of them; what is believed before is their starts.
         theta: shape (P,) where to begin.
-        counts: which samples count, by channel, of each log.
+        counts: which samples count, by channel, of each log; a channel that is missing does not count.
         rounds: of weights.
     """
     problem = _Problem(models, unknowns, counts)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.records import Floats
 from hotlap.core.shown import Shown
+from hotlap.identification.evidence import stretches
 from hotlap.identification.model import SETTLED, Model, Numbers
 from hotlap.identification.unknowns import AXES
 from hotlap.logs.flight_log import Signal
@@ -106,7 +107,8 @@ def predictions(models: Sequence[Model], numbers: Numbers, believed: Numbers) ->
             out = held_out(signal.times, begin) & model.evidence.counts[name]
             piece, measured = pieces(signal.times, begin)[out], signal.values[out]
             rows = [one[name][out] for one in (by_fit, by_base)]
-            if name == "velocity":
+            if name == "velocity":  # and where it is after a gap
+                piece = piece + (piece[-1] + 1 if len(piece) else 1) * stretches(model.evidence.counts[name])[out]
                 rows = [_from_start(one, measured, piece) for one in rows]
             for a, axis in enumerate(AXES):
                 found.append(Prediction(k, name, axis, signal.times[out] - begin, measured[:, a], rows[0][:, a], rows[1][:, a]))

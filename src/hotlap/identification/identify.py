@@ -15,9 +15,11 @@ from hotlap.identification.evidence import Evidence, lay_out
 from hotlap.identification.fit import Fit, fit, search
 from hotlap.identification.held_out import Prediction, held_out, predictions, signals_of
 from hotlap.identification.model import Model, Numbers
+from hotlap.identification.motor_lag import with_lag_of_thrust
 from hotlap.identification.unknowns import AXES, BATTERY_POWER, moved, unknowns_of
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
+from hotlap.logs.plausibility import check_units
 from hotlap.race.quadrotor import Quadrotor
 
 STAGES = 4  # that are told
@@ -51,7 +53,7 @@ class Identification(Shown):
         base: what it was believed to be.
         logs: their names.
         seconds: of flight that were used.
-        known: "mass" or "thrust", which of the base was taken to be right.
+        known: what of the base was taken to be right: "mass" or "thrust", or with "rate loop".
         estimates: of its numbers.
         thrust_map: from throttle to thrust per mass.
         predictions: where the logs were not fitted.
@@ -87,7 +89,12 @@ class Identification(Shown):
 
 
 def identify(
-    logs: Sequence[FlightLog], base: Quadrotor, *, thrust_known: bool = False, say: Callable[[str], None] = lambda _: None
+    logs: Sequence[FlightLog],
+    base: Quadrotor,
+    *,
+    thrust_known: bool = False,
+    loop_known: bool = False,
+    say: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Find a vehicle's numbers in logs of its flights.
 
@@ -95,16 +102,19 @@ def identify(
         logs: of one vehicle, one or more.
         base: whose geometry, mass and form of rate loop it has.
         thrust_known: whether the base's thrust is right, and its mass is to be found; else the other way round.
+        loop_known: whether its rate loop is right, as where a firmware's gains were copied.
         say: told when a stage, of `STAGES`, has ended.
 
     Raises:
         InputError: a log lacks what no identification can do without, or cannot be right.
     """
+    for log in logs:
+        check_units(log)
     evidence = [lay_out(_in_throttle(log, base)) for log in logs]
     voltage = _voltage(evidence)
     models = [Model(base, one, k, voltage, thrust_known) for k, one in enumerate(evidence)]
     straight = all(FULL_THRUST in log.facts or "thrust_command" not in log.signals for log in logs)
-    unknowns = unknowns_of(base, evidence, straight=straight)
+    unknowns = unknowns_of(base, evidence, straight=straight, loop_known=loop_known)
     unknowns = moved(unknowns, search(models, unknowns))
     say("searched for dead time and gains")
     fitted = [
@@ -116,11 +126,11 @@ def identify(
     ]
     first = fit(models, unknowns, np.array([one.start for one in unknowns]), fitted)
     say("fitted three quarters of the log")
-    curved = _curved(models, base, evidence, first, fitted, straight=straight)
+    curved = with_lag_of_thrust(models, _curved(models, base, evidence, first, fitted, straight=straight, loop_known=loop_known), fitted)
     say("looked for drag that grows with the square of the speed")
-    believed = _believed(base)
-    seen = predictions(models, curved.numbers, {**curved.numbers, **believed} if math.isfinite(voltage) else believed)
-    last = fit(models, curved.unknowns, curved.theta, [one.counts for one in evidence], rounds=2)
+    seen = predictions(models, curved.numbers, _believed(base))
+    counts = [one.counts for one in evidence]
+    last = with_lag_of_thrust(models, fit(models, curved.unknowns, curved.theta, counts, rounds=2), counts)
     say("fitted all of it")
     numbers = last.numbers
     known = ThrustMap(
@@ -130,10 +140,10 @@ def identify(
         numbers.get("battery", math.nan),
         voltage,
     )
-    seconds = sum(float(one.grid[-1] - one.grid[0]) for one in evidence)
-    notes = tuple(dict.fromkeys(note for log in logs for note in log.notes))
+    seconds = sum(one.seconds for one in evidence)
+    notes = tuple(dict.fromkeys(note for one in (*logs, *evidence) for note in one.notes))
     estimates = estimates_of(last, base, evidence, thrust_known=thrust_known)
-    which = "thrust" if thrust_known else "mass"
+    which = f"{'thrust' if thrust_known else 'mass'}{' and rate loop' * loop_known}"
     return Identification(base, tuple(log.name for log in logs), seconds, which, estimates, known, seen, notes)
 
 
@@ -150,13 +160,12 @@ def _voltage(evidence: Sequence[Evidence]) -> float:
     """[V] in the first second of the first log that has a battery."""
     for one in evidence:
         if one.has_battery and one.thrust_command is not None:
-            early = one.thrust_command.times <= one.grid[0] + 1.0
-            return float(one.thrust_command.values[early, 1].mean())
+            return float(one.thrust_command.means(np.array([one.grid[0], one.grid[0] + 1.0]))[0, 1])
     return math.nan
 
 
 def _curved(
-    models: Sequence[Model], base: Quadrotor, evidence: Sequence[Evidence], first: Fit, counts: Sequence[Any], *, straight: bool
+    models: Sequence[Model], base: Quadrotor, evidence: Sequence[Evidence], first: Fit, counts: Sequence[Any], **known: bool
 ) -> Fit:
     """The fit with quadratic drag along the axes where it shows."""
     if not any(one.name.startswith("drag") for one in first.unknowns):
@@ -164,7 +173,7 @@ def _curved(
     starts = dict(zip((one.name for one in first.unknowns), first.theta.tolist(), strict=True))
 
     def with_axes(axes: Sequence[str], rounds: int) -> Fit:
-        unknowns = unknowns_of(base, evidence, axes, straight=straight)
+        unknowns = unknowns_of(base, evidence, axes, **known)
         beliefs = {one.name: one.start for one in first.unknowns}
         theta = np.array([starts.get(one.name, one.start) for one in unknowns])
         return fit(models, moved(unknowns, beliefs), theta, counts, rounds=rounds)

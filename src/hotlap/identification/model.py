@@ -17,7 +17,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from hotlap.core.records import Floats
-from hotlap.identification.evidence import Evidence
+from hotlap.identification.evidence import Evidence, stretches
 from hotlap.identification.replay import RATES, ROOTS, THRUST, replay
 from hotlap.identification.unknowns import AXES, BATTERY_POWER, SIMULATED
 from hotlap.race.quadrotor import Quadrotor
@@ -44,17 +44,22 @@ def with_numbers(base: Quadrotor, numbers: Numbers, *, thrust_known: bool) -> Qu
     most = numbers["full"] * mass / base.rotor_count
     change: dict[str, Any] = {
         "mass": mass,
-        "rotor_thrust": (min(base.rotor_thrust[0], RUN_UP * most), most),
+        "rotor_thrust": base.rotor_thrust if thrust_known else thrust_range(base, most),
         "motor_time": (numbers["lag"] / half, numbers["lag"] * half),
         "inflow": 0.0,
     }
-    gains = tuple(numbers[f"gain_{axis}"] for axis in AXES)
+    gains = tuple(numbers.get(f"gain_{axis}", own) for axis, own in zip(AXES, base.rate_gain, strict=True))
     if base.rate_loop is None:
         change["rate_gain"] = gains
     else:
         factors = [gain / own for gain, own in zip(gains, base.rate_gain, strict=True)]
         change["rate_loop"] = scaled(base.rate_loop, factors, numbers)
     return base.model_copy(update=change)
+
+
+def thrust_range(base: Quadrotor, most: float) -> tuple[float, float]:
+    """[N] least and largest thrust of a rotor whose largest is found: the least is the base's, unless it comes too near."""
+    return min(base.rotor_thrust[0], RUN_UP * most), most
 
 
 def scaled(loop: RateLoop, factors: Sequence[float], numbers: Numbers) -> RateLoop:
@@ -161,13 +166,18 @@ class Model:
         if self.evidence.force is not None:
             left["force"] = self.evidence.force.values - predicted["force"]
         elif "velocity" in predicted and self.evidence.velocity is not None:
-            error = self.evidence.velocity.values - predicted["velocity"]
+            error, which = self.evidence.velocity.values - predicted["velocity"], stretches(self.evidence.counts["velocity"])
             kept = WASHOUT / (WASHOUT + 1 / self.evidence.velocity.rate)
-            left["velocity"] = np.asarray(lfilter([kept, -kept], [1.0, -kept], error - error[:SETTLED].mean(axis=0), axis=0))
+            left["velocity"] = np.vstack([_forgetting(error[which == one], kept) for one in range(which[-1] + 1)])
         return left
 
     def _bias(self, of: str, numbers: Numbers) -> list[float]:
         return [numbers.get(f"{of}_{axis}.{self.place}", 0.0) for axis in AXES]
+
+
+def _forgetting(error: Floats, kept: float) -> Floats:
+    """An error of velocity without what is older than a while, from 0 on."""
+    return np.asarray(lfilter([kept, -kept], [1.0, -kept], error - error[:SETTLED].mean(axis=0), axis=0))
 
 
 def _at(grid: Floats, rows: Floats, times: Floats) -> Floats:

@@ -49,7 +49,7 @@ class Unknown:
 
 
 def unknowns_of(
-    base: Quadrotor, evidence: Sequence[Evidence], quadratic: Sequence[str] = (), *, straight: bool = False
+    base: Quadrotor, evidence: Sequence[Evidence], quadratic: Sequence[str] = (), *, straight: bool = False, loop_known: bool = False
 ) -> tuple[Unknown, ...]:
     """What is looked for in logs.
 
@@ -58,6 +58,7 @@ def unknowns_of(
         evidence: of its logs.
         quadratic: axes along which drag grows with the square of the speed, besides.
         straight: whether thrust is known to be proportional to its command.
+        loop_known: whether the base's rate loop is right.
     """
     found = [Unknown("full", math.log(base.max_acceleration), 2.0, is_log=True)]
     if not straight:
@@ -67,11 +68,7 @@ def unknowns_of(
     up, down = (max(time, LEAST_LAG) for time in base.motor_time)
     found.append(Unknown("lag", math.log(up * down) / 2, 1.5, is_log=True))
     found.append(Unknown("lag_ratio", math.log(down / up), 0.7, is_log=True))
-    found += [Unknown(f"gain_{axis}", math.log(gain), 2.0, is_log=True) for axis, gain in zip(AXES, base.rate_gain, strict=True)]
-    if base.rate_loop is not None:
-        i, d = base.rate_loop.i, base.rate_loop.d
-        shown = {"integral": any(i[:2]), "integral_z": i[2] > 0, "damping": any(d)}
-        found += [Unknown(name, 0.0, 0.7, is_log=True) for name, there in shown.items() if there]
+    found += [] if loop_known else _gains(base)
     found.append(Unknown("delay", base.delay, 0.2))
     if any(one.output is not None and one.air is not None for one in evidence):
         found += _drags(base, quadratic)
@@ -80,6 +77,16 @@ def unknowns_of(
         if one.force is not None:
             found += [Unknown(f"accelerometer_{axis}.{k}", 0.0, 0.1) for axis in AXES]
     return tuple(found)
+
+
+def _gains(base: Quadrotor) -> list[Unknown]:
+    """Of the rate loop: the gain of each axis, and factors of a PID's other parts."""
+    found = [Unknown(f"gain_{axis}", math.log(gain), 2.0, is_log=True) for axis, gain in zip(AXES, base.rate_gain, strict=True)]
+    if base.rate_loop is not None:
+        i, d = base.rate_loop.i, base.rate_loop.d
+        shown = {"integral": any(i[:2]), "integral_z": i[2] > 0, "damping": any(d)}
+        found += [Unknown(name, 0.0, 0.7, is_log=True) for name, there in shown.items() if there]
+    return found
 
 
 def _drags(base: Quadrotor, quadratic: Sequence[str]) -> list[Unknown]:

@@ -26,6 +26,9 @@ COLUMNS: Mapping[str, int] = {  # of each signal that is known
 }
 
 
+GAP, USUAL = 0.25, 5.0  # s without a sample, and times the usual step, that are a gap
+
+
 @dataclass(frozen=True, repr=False)
 class Signal(Shown):
     """One signal.
@@ -54,6 +57,16 @@ class Signal(Shown):
         """
         columns = [np.interp(times, self.times, column, left=np.nan, right=np.nan) for column in self.values.T]
         return np.column_stack(columns) if columns else np.empty((len(times), 0))
+
+    def gaps(self, least: float = GAP) -> Floats:
+        """Begin and end of each time without a sample that is longer than some, and than five usual steps, shape (G, 2) [s].
+
+        Args:
+            least: [s].
+        """
+        spans = np.diff(self.times)
+        k = np.flatnonzero(spans > max(least, USUAL * float(np.median(spans)))) if len(spans) else np.empty(0, dtype=np.int64)
+        return np.column_stack([self.times[k], self.times[k + 1]])
 
 
 @dataclass(frozen=True, repr=False)

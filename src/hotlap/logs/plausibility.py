@@ -63,8 +63,8 @@ def _acceleration(values: Floats) -> str:
 
 
 def _share(values: Floats) -> str:
-    most = float(values.max())
-    return f"is up to {most:.3g}, and must be from 0 to 1" if most > 1.2 else ""
+    least, most = float(values.min()), float(values.max())
+    return f"is from {least:.3g} to {most:.3g}, and must be from 0 to 1" if most > 1.2 or least < -0.5 else ""
 
 
 def _battery(values: Floats) -> str:

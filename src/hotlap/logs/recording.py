@@ -13,6 +13,7 @@ from hotlap.core.records import Floats
 from hotlap.logs.flight_log import COLUMNS, FlightLog, Signal
 
 DISORDER = 0.01  # share of the samples that may stand behind a later one: more are no accident
+MEASURED = ("battery", "current", "motor_speed")  # by sensors that a drone may be without: what they would tell is often logged as NaN
 EPOCH = 1e6  # s: clocks that are further on count from another year, and lose digits
 
 
@@ -61,7 +62,12 @@ class Recording:
             return
         if COLUMNS[signal] not in {0, rows.shape[1]}:
             raise self.fail(signal, f"has {rows.shape[1]} columns, not {COLUMNS[signal]}")
+        if signal in MEASURED and not np.isfinite(rows).all(axis=1).any():
+            self.note(f"{signal}: logged, but never measured")
+            return
         moments, rows = self._finite(signal, moments, rows)
+        if signal == "attitude":
+            moments, rows = self._turned(moments, rows)
         moments, rows = self._ordered(signal, moments, rows)
         if signal == "attitude":  # q and -q are one attitude: without jumps it can be drawn between samples
             turns = np.where((rows[1:] * rows[:-1]).sum(axis=1) < 0, -1.0, 1.0)
@@ -93,6 +99,16 @@ class Recording:
             raise self.fail(signal, f"has no finite value in {len(good)} samples")
         if lost:
             self.note(f"{signal}: {lost} of {len(good)} samples are not finite and were left out")
+        return moments[good], rows[good]
+
+    def _turned(self, moments: Floats, rows: Floats) -> tuple[Floats, Floats]:
+        """Attitudes that are some: a tracker that has lost a drone writes zeros."""
+        good = np.linalg.norm(rows, axis=1) > 0
+        lost = len(good) - int(good.sum())
+        if lost == len(good):
+            raise self.fail("attitude", f"has a quaternion of length 0 in all of {len(good)} samples")
+        if lost:
+            self.note(f"attitude: {lost} of {len(good)} samples are quaternions of length 0 and were left out")
         return moments[good], rows[good]
 
     def _ordered(self, signal: str, moments: Floats, rows: Floats) -> tuple[Floats, Floats]:

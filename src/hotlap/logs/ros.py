@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hotlap.core.errors import UnknownNameError
+from hotlap.core.records import Floats
 from hotlap.logs.flight_log import COLUMNS
 from hotlap.logs.key_map import source_of
 from hotlap.logs.recording import Recording
@@ -16,6 +18,9 @@ from hotlap.reference.attitude import rotate
 
 Rows = Mapping[str, Sequence[float]]
 """Values of one message by signal."""
+
+IGNORED_RATES, IGNORED_THRUST = 0b111, 0b1000000  # bits of the mask of an attitude target: roll, pitch and yaw rate; thrust
+UNMEASURED = -1  # first element of the covariance of what nothing measures
 
 
 def short(kind: str) -> str:
@@ -38,9 +43,13 @@ def _odometry(message: Any) -> Rows:
 
 
 def _imu(message: Any) -> Rows:
-    rows = {"rates": _vector(message.angular_velocity), "acceleration": _vector(message.linear_acceleration)}
-    known = message.orientation_covariance[0] >= 0 and any(_quaternion(message.orientation))
-    return rows | ({"attitude": _quaternion(message.orientation)} if known else {})
+    parts = {
+        "rates": (_vector(message.angular_velocity), message.angular_velocity_covariance),
+        "acceleration": (_vector(message.linear_acceleration), message.linear_acceleration_covariance),
+        "attitude": (_quaternion(message.orientation), message.orientation_covariance),
+    }
+    rows = {signal: values for signal, (values, covariance) in parts.items() if covariance[0] != UNMEASURED}
+    return rows if any(rows.get("attitude", ())) else {signal: values for signal, values in rows.items() if signal != "attitude"}
 
 
 def _pose(message: Any) -> Rows:
@@ -53,7 +62,9 @@ def _twist(message: Any) -> Rows:
 
 
 def _target(message: Any) -> Rows:
-    return {"rate_command": _vector(message.body_rate), "thrust_command": [message.thrust]}
+    """What it asks for: a mask says which of its fields count."""
+    rates = {} if message.type_mask & IGNORED_RATES else {"rate_command": _vector(message.body_rate)}
+    return rates if message.type_mask & IGNORED_THRUST else {**rates, "thrust_command": [message.thrust]}
 
 
 def _battery(message: Any) -> Rows:
@@ -72,6 +83,11 @@ TAKEN: Mapping[str, Callable[[Any], Rows]] = {  # the first that has a signal gi
 FIRST_OF = {"rates": "sensor_msgs/Imu"}  # the type that is asked first, where it is another
 
 
+def _numbers() -> array[float]:
+    """An empty list of numbers, of eight bytes each."""
+    return array("d")
+
+
 class Topics:
     """Messages by topic.
 
@@ -86,8 +102,8 @@ class Topics:
             if key not in COLUMNS:
                 raise UnknownNameError("signal", key, COLUMNS, source_of(self._mapping) or "map", key)
         self._kinds: dict[str, str] = {}
-        self._times: dict[tuple[str, str], list[float]] = defaultdict(list)
-        self._values: dict[tuple[str, str], list[Sequence[float]]] = defaultdict(list)
+        self._times: dict[tuple[str, str], array[float]] = defaultdict(_numbers)
+        self._values: dict[tuple[str, str], array[float]] = defaultdict(_numbers)
         self.seen: set[str] = set()
 
     def take(self, topic: str, kind: str, message: Any, logged: float) -> None:
@@ -104,7 +120,7 @@ class Topics:
         time = stamp.sec + 1e-9 * stamp.nanosec
         for signal, values in TAKEN[kind](message).items():
             self._times[topic, signal].append(time or logged)
-            self._values[topic, signal].append(values)
+            self._values[topic, signal].extend(values)
 
     def finish(self) -> None:
         """Choose a topic for each signal.
@@ -115,15 +131,23 @@ class Topics:
         if not self._kinds:
             seen = f"; it has {', '.join(sorted(self.seen)[:8])}" if self.seen else ""
             raise self._recording.fail("", f"is {self._recording.kind} with no {', '.join(TAKEN)}{seen}")
+        for topic, kind in self._kinds.items():
+            for signal in ("rate_command", "thrust_command") if TAKEN[kind] is _target else ():
+                if (topic, signal) not in self._times:
+                    self._recording.note(f"{topic}: its mask says that {signal} does not count")
         for signal in COLUMNS:
             topic = self._choose(signal)
             if topic is None:
                 continue
-            times, values = np.array(self._times[topic, signal]), np.array(self._values[topic, signal], dtype=np.float64)
+            times, values = np.array(self._times[topic, signal]), self._rows(topic, signal)
             if signal == "velocity" and self._kinds[topic] == "nav_msgs/Odometry":
-                values = rotate(np.array(self._values[topic, "attitude"], dtype=np.float64), values)
+                values = rotate(self._rows(topic, "attitude"), values)
                 self._recording.note(f"velocity: of {topic}, turned from the body's frame into the world's")
             self._recording.add(signal, times, values, f"{signal}: {topic}")
+
+    def _rows(self, topic: str, signal: str) -> Floats:
+        """Values of all messages, shape (N, columns)."""
+        return np.array(self._values[topic, signal]).reshape(-1, COLUMNS[signal])
 
     def _choose(self, signal: str) -> str | None:
         """The topic of a signal: as asked, else by its type, else the one with most messages."""

@@ -226,9 +226,9 @@ class RealFlight:
                 approach.begin(state.now)
                 self.stream.follow(state, approach)
                 return
-            order = self.stream.follow(state, leg)
+            throttle = self.stream.send(state, leg.order(state))  # not recorded: the ground carries it
             if leg.has_failed(state):
-                raise Halt(Reason.NOT_LIFTED, f"with {100 * self.stream.throttle(order):.0f} % of the throttle")
+                raise Halt(Reason.NOT_LIFTED, f"with {100 * throttle:.0f} % of the throttle")
 
     def _approach(self, leg: Along) -> None:
         """Fly to the start, and hover there until that is steady; learn what thrust is worth.
@@ -252,9 +252,9 @@ class RealFlight:
                 since, first = seen.now, float(seen.state[9])
             thrusts.append(order.thrust * _uprightness(seen.state))
             if seen.now - since >= STEADY_FOR:
+                acted = self._race.control_model.gravity + (float(seen.state[9]) - first) / (seen.now - since)
+                self._learn(acted / float(np.mean(thrusts)))
                 break
-        acted = self._race.control_model.gravity + (float(seen.state[9]) - first) / (seen.now - since)
-        self._learn(acted / float(np.mean(thrusts)))
         throttle, gain = 100 * self.thrust_map.hover_throttle, self.thrust_map.gain
         if self._link.takes_throttle:
             self._say(f"hovers with {throttle:.0f} % of the throttle: thrust is {gain:.2f} of the file's")

@@ -105,7 +105,7 @@ def row_of(glance: Glance) -> dict[str, Any]:
     of = f"{glance.minutes:g} min" if glance.minutes else str(glance.budget)
     cells = [
         glance.name,
-        f"{glance.state}, first guess kept" if glance.kept else glance.state,
+        f"{glance.state}, nothing changed" if glance.kept else glance.state,
         f"{glance.flights} of {of}",
         _percent(glance.completion),
         f"{_percent(rate)} ({glance.validation})" if glance.validation else "-",

@@ -9,12 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from hotlap.analysis.transfer import DEFAULT, TransferFlight, TransferRow, metres
+from hotlap.analysis.transfer import DEFAULT, STARTING, TransferFlight, TransferRow, metres
 from hotlap.core.counts import count
 from hotlap.report.article import Article
 from hotlap.system.journal import Journal
 
-STARTING = 1.0  # s within which an error is still that of the start, which the noise draws
 LATER = f"largest error after {STARTING:g} s"
 HEADS = ("world", "parameters", "all gates", "mean error [m]", f"{LATER} [m]", "lap [s]")
 FEW = 5  # flights whose errors are written one by one
@@ -40,7 +39,7 @@ def compose_article(race: str, rows: Sequence[TransferRow], pictures: Sequence[P
         f"Parameters that were tuned in the world *{home}*, and the default ones, flown in {everywhere} "
         f"with the same noise, {count(len(rows[0].flights), 'flight')} each. The error is the distance from the clocked reference; flights "
         "go on after a missed gate, to their end or to a crash. Each begins beside its reference, as far as the noise has drawn: the "
-        f"largest error is looked for from {STARTING:g} s on. *Mean* and *largest error*: of each flight; *lap*: the median of the "
+        f"largest error is looked for from {STARTING:g} s on. *Mean* and *largest error*: of each flight; *lap*: the mean of the "
         "flights that passed all gates, a dash where none did."
     )
     add_results(article, rows, pictures)
@@ -77,7 +76,7 @@ def cells_of(rows: Sequence[TransferRow]) -> list[list[str]]:
             row.label,
             f"{row.complete.successes} of {row.complete.flights}",
             errors_of(row, lambda flight: flight.mean_error),
-            errors_of(row, later_error),
+            errors_of(row, lambda flight: flight.later_error),
             f"{row.lap_time:.2f}" if math.isfinite(row.lap_time) else "-",
         ]
         for row in rows
@@ -93,12 +92,6 @@ def errors_of(row: TransferRow, quantity: Callable[[TransferFlight], float]) -> 
     return f"{metres(float(np.mean(finite)))} ({metres(min(finite))} to {metres(max(finite))})" if finite else "-"
 
 
-def later_error(flight: TransferFlight) -> float:
-    """[m] largest error of a flight after its start; of all of it where it ended before; NaN where there is none."""
-    later = flight.errors[flight.times >= STARTING]
-    return float((later if len(later) else flight.errors).max(initial=-math.inf)) if len(flight.errors) else math.nan
-
-
 def changes(rows: Sequence[TransferRow]) -> Iterator[str]:
     """For each world, and each set of parameters beside the default one, a sentence: what tuning changed there.
 
@@ -111,7 +104,7 @@ def changes(rows: Sequence[TransferRow]) -> Iterator[str]:
             continue
         if tuned.complete.rate == default.complete.rate == 1:
             mean = _change(tuned.mean_error, default.mean_error)
-            largest = _change(*(float(np.mean([later_error(flight) for flight in row.flights])) for row in (tuned, default)))
+            largest = _change(tuned.later_error, default.later_error)
             yield f"{tuned.world}: {tuned.label} against default, mean error {mean}, {LATER} {largest} (means of the flights)"
         else:
             mine, others = tuned.complete, default.complete

@@ -10,10 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from hotlap.analysis.transfer import DEFAULT, TUNED, TransferRow, metres
+from hotlap.analysis.transfer import DEFAULT, STARTING, TUNED, TransferRow, metres
 from hotlap.report.pictures import save
 from hotlap.report.style import AGAIN, BEST, FAILURE, FIRST, INK, NORMAL, QUIET, SMALL, headline, headline_width, place_axes, styled
-from hotlap.report.transfer_article import STARTING, later_error
 
 Floats = NDArray[np.float64]
 
@@ -90,7 +89,7 @@ def _draw_box(axes: Axes, row: TransferRow, place: float, width: float, top: flo
     at, shift, side = (place + width / 2, 3, "left") if right else (place - width / 2, -3, "right")
     told, height = (metres(middle), middle) if middle <= top else (f"median\n{metres(middle)}", 0.92 * top)
     axes.annotate(told, (at, height), (shift, 0), textcoords="offset points", fontsize=SMALL, color=INK, va="center", ha=side)
-    largest = max(later_error(flight) for flight in row.flights if len(flight.errors))
+    largest = max(flight.later_error for flight in row.flights if len(flight.errors))
     axes.plot(place, min(largest, 0.98 * top), marker="^", markersize=4, color=colour, clip_on=False)
     if largest > top:
         axes.annotate(metres(largest), (place, top), (0, 4), textcoords="offset points", fontsize=SMALL, color=QUIET, ha="center")

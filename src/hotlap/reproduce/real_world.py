@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hotlap import tuners, worlds
 from hotlap.analysis.learning import built_in_world
 from hotlap.analysis.resumable import ResumableJobs
-from hotlap.analysis.transfer import DEFAULT, TUNED, Journey, TransferRow, metres, rows_of
+from hotlap.analysis.transfer import DEFAULT, STARTING, TUNED, Journey, TransferRow, metres, rows_of
 from hotlap.core.counts import count
 from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
@@ -30,7 +30,7 @@ from hotlap.race.quadrotor import Quadrotor
 from hotlap.race.race import Race
 from hotlap.reference.scenario import Scenario
 from hotlap.report.article import Article
-from hotlap.report.transfer_article import CAPTIONS, HEADS, STARTING, cells_of, changes, endings
+from hotlap.report.transfer_article import CAPTIONS, HEADS, cells_of, changes, endings
 from hotlap.reproduce.early_turns import sets_of, tell_early_turns
 from hotlap.reproduce.experiments import UnavailableError
 from hotlap.reproduce.published import REAL_WORLD, REAL_WORLD_MEDIANS

@@ -13,11 +13,11 @@ from hotlap.core.success_rate import Validation, wilson_interval
 from hotlap.report.markup import element, facts, paragraph, table, text
 from hotlap.report.page.replay import BEST, Replay
 from hotlap.report.page.static_map import draw_track_map
-from hotlap.report.scene import Scene, stage
+from hotlap.report.scene import Repeats, Scene, stage
 from hotlap.study.kept_guess import KeptGuess, find_kept_guess
 from hotlap.study.result import Result
 from hotlap.study.snapshot import Snapshot
-from hotlap.tuning.goal import Quantity
+from hotlap.tuning.goal import Goal, Quantity
 
 MOST_ENDS = 3  # of flights, that are told apart where a study failed
 
@@ -153,13 +153,22 @@ def _failed(snapshot: Snapshot) -> bool:
 
 def _failure(snapshot: Snapshot, replay: Replay) -> Iterator[str]:
     """Why a study failed, as its flights ended and as far as causes are known, and what to try."""
-    ends = Counter(replay.scene.repeats[0].ends).most_common(MOST_ENDS) if replay.scene.repeats else []
-    flown = [f"{number} of {replay.scene.repeats[0].flights} new flights {end}" for end, number in ends]
-    if replay.scene.repeats and not flown:
-        goal = snapshot.configuration.settings.goal
-        flown = [f"all {replay.scene.repeats[0].flights} new flights passed every gate, but the goal ({goal}) asks for more"]
+    flown = _flown(replay.scene.repeats[0], snapshot.configuration.settings.goal) if replay.scene.repeats else ()
     yield element("h2", "Why it failed") + _list([*flown, *why(failures_of(replay.robustness[:1]))])
     yield from _advice(snapshot, replay)
+
+
+def _flown(repeats: Repeats, goal: Goal) -> Iterator[str]:
+    """How the new flights of a study that failed ended, the most frequent ends first."""
+    of = f"{repeats.flights} new flights"
+    if repeats.complete == repeats.flights:
+        missing = "was not confirmed in the search" if goal.quantity is Quantity.COMPLETION else "asks for more"
+        yield f"all {of} passed every gate, but the goal ({goal}) {missing}"
+        return
+    yield from (f"{number} of {of} {end}" for end, number in Counter(repeats.ends).most_common(MOST_ENDS))
+    unknown = repeats.flights - repeats.complete - len(repeats.ends)
+    if unknown:
+        yield f"{unknown} of {of} did not pass every gate, and where they ended is not known"
 
 
 def _advice(snapshot: Snapshot, replay: Replay) -> Iterator[str]:

@@ -18,7 +18,7 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Bet
     """A firmware that has armed and hovers.
 
     Args:
-        scenario: whose vehicle flies.
+        scenario: whose vehicle flies, with the throttles of the vehicle that its controller knows.
         instance: which of several side by side; they share nothing.
         argument: a file with lines of Betaflight's command line, a `diff all` for example; "": none.
 
@@ -31,7 +31,8 @@ def open_simulator(scenario: Scenario, instance: int, argument: str = "") -> Bet
     own = read_lines(argument) if argument else ()
     track = race.track
     lowest = [-math.inf if track.floor is None else track.floor, -math.inf if track.box is None else track.box.low[2]]
-    return Betaflight(race.vehicle, own, most_rate=max(race.controller.rates) + NOISE, floor=max(lowest))
+    most_rate = max(race.controller.rates) + NOISE
+    return Betaflight(race.vehicle, own, known_as=race.control_model, most_rate=most_rate, floor=max(lowest))
 
 
 __all__ = ["Betaflight", "open_simulator"]

@@ -2,7 +2,7 @@
 
 A quadrotor whose file has a rate loop in signals of motor speed (`rate_loop` with the output "speed") gets the gains of that. Else roll and
 pitch fly on stock gains. Stock gains of yaw are made for one kind of vehicle and swing on others, whose rotors have more or less yaw torque
-over their inertia: yaw gets the gain that the quadrotor's file gives it, and an integral that is critically damped with it.
+over their inertia: yaw gets the gain that the quadrotor's file gives it, and an integral with which it overshoots little (damping 0.6).
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from hotlap.worlds.betaflight.settings import IDLE
 
 P_UNIT = 0.001835  # signal of a motor per rad/s of rate error and unit of P: 0.032029 / 1000 over a degree
 I_UNIT = 0.01400  # signal of a motor per rad of integrated rate error and unit of I: 0.244381 / 1000 over a degree
+I_FACTORS = (1.0, 1.0, 2.5)  # by which the firmware multiplies I of roll, pitch and yaw
 D_UNIT = 0.0000303  # signal of a motor per rad/s^2 of measured rates and unit of D: 0.000529 / 1000 over a degree
 AXES = ("roll", "pitch", "yaw")
 STOCK_P, STOCK_I = (45, 47), (80, 84)  # of roll and pitch
@@ -50,7 +51,7 @@ def rate_loop_of(quadrotor: Quadrotor) -> RateLoop:
     p, i = _yaw(quadrotor)
     return RateLoop(
         p=_times(P_UNIT, STOCK_P, p),
-        i=(I_UNIT * RELAXED * STOCK_I[0], I_UNIT * RELAXED * STOCK_I[1], I_UNIT * i),
+        i=(I_UNIT * RELAXED * STOCK_I[0], I_UNIT * RELAXED * STOCK_I[1], I_UNIT * I_FACTORS[2] * i),
         d=_times(D_UNIT, STOCK_D, 0),
         d_cutoff=D_CUTOFF,
         limit=LIMITS,
@@ -71,7 +72,7 @@ def _times(unit: float, both: tuple[int, int], yaw: int) -> tuple[float, float, 
 
 def _lines_of(loop: RateLoop) -> list[str]:
     """Lines with the gains of a rate loop."""
-    integral = (loop.i[0] / RELAXED, loop.i[1] / RELAXED, loop.i[2])
+    integral = (loop.i[0] / RELAXED, loop.i[1] / RELAXED, loop.i[2] / I_FACTORS[2])
     terms = (("p", P_UNIT, loop.p), ("i", I_UNIT, integral), ("d", D_UNIT, loop.d), ("d_max", D_UNIT, loop.d))
     return [
         f"set {term}_{axis} = {min(round(gain / unit), HIGHEST_GAIN)}"

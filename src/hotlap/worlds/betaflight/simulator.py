@@ -37,8 +37,9 @@ class Betaflight:
     It boots and arms once; every flight begins with a copy of that process, so flights repeat bit for bit.
 
     Args:
-        quadrotor: that flies; its rate loop and its dead time do not count.
+        quadrotor: that flies, with the gains of its rate loop; its dead time does not count.
         own: lines of the user for the firmware's command line.
+        known_as: the vehicle as its pilot knows it: a thrust per mass is the throttle that gives it there. None: the vehicle itself.
         most_rate: [rad/s] largest body rate that can be commanded; None: what the quadrotor's plans may ask for.
         floor: [m] on which a drone stands that has not taken off.
         patience: [s] after which a firmware that does not answer is lost.
@@ -55,6 +56,7 @@ class Betaflight:
         quadrotor: Quadrotor,
         own: Sequence[Line] = (),
         *,
+        known_as: Quadrotor | None = None,
         most_rate: float | None = None,
         floor: float = -math.inf,
         patience: float = PATIENCE,
@@ -63,7 +65,7 @@ class Betaflight:
             raise SimulatorError(f"Betaflight flies four rotors in layout x or plus, not those that {quadrotor.name} lists")
         full_stick = full_stick_for(max(quadrotor.rate_limit) if most_rate is None else most_rate)
         lines = configuration(quadrotor.layout, full_stick, gain_lines(quadrotor), own)
-        self._sticks = Sticks(quadrotor, full_stick, motor_idle(lines))
+        self._sticks = Sticks(known_as or quadrotor, full_stick, motor_idle(lines))
         self._own = own
         self._hover = np.array([quadrotor.gravity, 0.0, 0.0, 0.0])
         self._rotors, self._floor, self._grounded = ROTORS[quadrotor.layout], floor, False
