@@ -148,7 +148,9 @@ class OnBoard:
             row = min(int(np.searchsorted(ends, now)), count - 1)
             local = min(now - (ends[row] - durations[row]), durations[row])
             curves = [np.polynomial.Polynomial(part) for part in parts[row]]
-            position, velocity, acceleration = (np.array([curve.deriv(n)(local) if n else curve(local) for curve in curves]) for n in range(3))
+            position, velocity, acceleration = (
+                np.array([curve.deriv(n)(local) if n else curve(local) for curve in curves]) for n in range(3)
+            )
             if now > ends[-1]:
                 velocity, acceleration = np.zeros(4), np.zeros(4)
             return Aim(position[:3], velocity[:3], acceleration[:3], level(position[3]))

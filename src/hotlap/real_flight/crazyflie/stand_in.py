@@ -28,13 +28,17 @@ from hotlap.real_flight.crazyflie.packed import MILLI, pack_state, unpack_attitu
 from hotlap.real_flight.stand_in import StandInDrone
 
 PARAMETERS, RPYT, MEMORY, LOG, SETPOINT, COMMANDER, SUPERVISOR, PLATFORM, LINK = 2, 3, 4, 5, 7, 8, 9, 13, 15  # ports
-STEP = 0.0025  # s
+STEP = 0.005  # s
 ANSWER, ASK_AGAIN = 10.0, 0.2  # s of wall time for which lockstep waits, and after which it says it again
 FULL_STATE = struct.Struct("<9hI3h")
 INT16, UINT16, UINT32, FLOAT = 5, 2, 3, 7  # types of a log
 SIZES = {INT16: "h", UINT16: "H", UINT32: "I", FLOAT: "f"}
 STATE = ("x", "y", "z", "vx", "vy", "vz", "quat", "rateRoll", "ratePitch", "rateYaw")
-NAMES = (*((f"stateEstimateZ.{name}", UINT32 if name == "quat" else INT16) for name in STATE), ("supervisor.info", UINT16), ("pm.vbat", FLOAT))
+NAMES = (
+    *((f"stateEstimateZ.{name}", UINT32 if name == "quat" else INT16) for name in STATE),
+    ("supervisor.info", UINT16),
+    ("pm.vbat", FLOAT),
+)
 FLOAT_PARAMETER, BYTE_PARAMETER = 0x06, 0x08
 VALUES = {"stabilizer.controller": (BYTE_PARAMETER, struct.pack("<B", 2)), "kalman.robustTdoa": (BYTE_PARAMETER, struct.pack("<B", 0))}
 TRAJECTORIES = 0x12  # a type of memory
@@ -133,7 +137,9 @@ class StandIn:
     def _report(self, *, again: bool = False) -> bool:
         """Log what is due; whether anything was."""
         due = [block for block, period in self._running.items() if self._steps % round(period * 0.01 / STEP) == 0]
-        if due and not again:
+        if not due:
+            return False
+        if not again:
             self.path.append((self.now, self.board.drone.state))
         state = self.board.drone.state
         state[:3] += self.noise * self._random.standard_normal(3)
@@ -142,7 +148,7 @@ class StandIn:
         for block in due:
             content = b"".join(struct.pack(f"<{SIZES[kind]}", values[name]) for name, kind in (self._names[i] for i in self._blocks[block]))
             self._send(LOG, 2, bytes([block]) + self._stamp.to_bytes(4, "little")[:3] + content)
-        return bool(due) and any(len(self._blocks[block]) > 1 for block in due)
+        return any(len(self._blocks[block]) > 1 for block in due)
 
     def _send(self, port: int, channel: int, content: bytes) -> None:
         if self._peer is not None and not self.silent:
