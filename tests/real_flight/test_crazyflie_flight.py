@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import os
+import sys
 from importlib.util import find_spec
 
 import numpy as np
 import pytest
 
+from hotlap.core.errors import InputError
 from hotlap.real_flight import flight as flight_loop
 from hotlap.real_flight import open_link
 from hotlap.real_flight.crazyflie import onboard
@@ -51,6 +52,7 @@ def check(stand_in, flown):
         assert not flown.geofence.outside(aim.position), moment
 
 
+@pytest.mark.check
 def test_a_lap_of_full_states_from_the_ground():
     with serving(noise=0.003) as stand_in:
         flown = fly(stand_in, arm=True)
@@ -61,6 +63,23 @@ def test_a_lap_of_full_states_from_the_ground():
     assert len(racing) > 0.9 * SCENARIO.reference.duration / PERIOD
     first = flown.record.orders[[order.race_time is not None for order in flown.record.orders].index(True)]
     assert first.thrust == pytest.approx(SCENARIO.reference.thrust[0], rel=0.05)  # of the plan: whoever commands is not ours
+
+
+def test_a_process_that_dies_in_flight_stops_it_and_is_no_part_of_hotlap(monkeypatch):
+    links = []
+
+    def kill(stand_in):
+        if len(stand_in.setpoints) == 20:
+            links[0]._process._process.kill()
+
+    monkeypatch.setattr(
+        flight_loop.RealFlight, "_begin", lambda flight, phase: (links.append(flight._link), setattr(flight, "phase", phase))
+    )
+    with serving(airborne=True, each_step=kill) as stand_in:
+        flown = fly(stand_in)
+    assert (flown.phase, flown.halt.reason) == (Phase.APPROACH, Reason.LINK)
+    assert len(stand_in.setpoints) < 25
+    assert "cflib" not in sys.modules
 
 
 @pytest.mark.check
@@ -76,7 +95,7 @@ def test_a_lap_by_trajectory_from_the_ground(arms_itself):
 
 
 def test_one_that_arms_itself_does_not_take_off_unasked():
-    with serving(arms_itself=True) as stand_in, pytest.raises(Exception, match="hotlap arms it only when that is asked for"):
+    with serving(arms_itself=True) as stand_in, pytest.raises(InputError, match="hotlap arms it only when that is asked for"):
         fly(stand_in)
     assert (stand_in.setpoints, stand_in.requests) == ([], [])
 
@@ -122,20 +141,10 @@ def test_a_link_that_is_lost_stops_it_within_half_a_second():
     assert max(moment for moment, _, _ in stand_in.setpoints) < cut[0] + 0.5
 
 
-def test_a_dry_run_sends_nothing(monkeypatch):
+def test_a_dry_run_sends_nothing():
     lines = []
     with serving(airborne=True) as stand_in:
         link = open_link(name_of(stand_in), PERIOD, mute=True)
         RealFlight(link, SCENARIO, SCENARIO.space.first_guess(1), FlightSettings(wait=20.0), lines.append).look(0.3)
         assert (stand_in.setpoints, stand_in.requests) == ([], [])
     assert any("would send position (0.00, 0.00, 1.00) m, to its own controller" in line for line in lines)
-
-
-def test_hotlap_itself_never_loads_cflib():
-    import subprocess  # noqa: PLC0415
-    import sys  # noqa: PLC0415
-
-    code = (
-        "import sys; import hotlap.real_flight.crazyflie.vehicle, hotlap.real_flight.crazyflie.stand_in; sys.exit('cflib' in sys.modules)"
-    )
-    assert subprocess.run([sys.executable, "-c", code], check=False, env=os.environ).returncode == 0

@@ -15,7 +15,11 @@ from hotlap.real_flight.crazyflie.packed import pack_attitude, pack_state, unpac
 ATTITUDES = np.random.default_rng(1).standard_normal((50, 4))
 ATTITUDES /= np.linalg.norm(ATTITUDES, axis=1)[:, None]
 FINE = 2e-3  # of 9 bits
-DECODE = "import json, sys; from cflib.utils.encoding import decompress_quaternion as d; print(json.dumps([list(d(n)) for n in json.load(sys.stdin)]))"
+DECODE = """
+import json, sys
+from cflib.utils.encoding import decompress_quaternion
+print(json.dumps([list(decompress_quaternion(one)) for one in json.load(sys.stdin)]))
+"""
 
 
 @pytest.mark.parametrize("attitude", [*ATTITUDES[:20], np.array([1.0, 0, 0, 0]), np.array([0, 0, 0, -1.0])])

@@ -1,4 +1,6 @@
-"""Bridge: a program of its own between hotlap and cflib: python bridge.py URI
+"""Bridge: a program of its own between hotlap and cflib.
+
+    python bridge.py URI
 
 cflib is under the GPL, version 3. hotlap never imports it: this program does, which is hotlap's, under the MIT licence, and imports
 nothing else of hotlap. Whoever installs cflib beside it combines the two, on that computer. Each way a line is a JSON list: a word and

@@ -42,12 +42,10 @@ class Process:
 
     def __init__(self, uri: str) -> None:
         command = [sys.executable, "-P", str(PROGRAM), uri]
-        self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
-        )
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._input, self._output = self._process.stdin.fileno(), self._process.stdout.fileno()
+        pipe, devnull = subprocess.PIPE, subprocess.DEVNULL
+        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=devnull, start_new_session=True)
+        self._ends = tuple(end for end in (self._process.stdin, self._process.stdout) if end is not None)
+        self._input, self._output = (end.fileno() for end in self._ends)
         for end in (self._input, self._output):
             os.set_blocking(end, False)
         self._rest, self.ended = b"", False
@@ -68,15 +66,13 @@ class Process:
 
     def close(self) -> None:
         """Let it end, without a word to the Crazyflie; may be called twice."""
-        if self._process.stdin is None or self._process.stdin.closed:
-            return
-        self.tell("close")
+        if self._process.returncode is None:
+            self.tell("close")
         try:
             self._process.wait(ENDING)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        for end in (self._process.stdin, self._process.stdout):
-            if end is not None:
-                with suppress(OSError):
-                    end.close()
+        for end in self._ends:
+            with suppress(OSError):
+                end.close()

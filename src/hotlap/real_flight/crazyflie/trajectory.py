@@ -57,13 +57,11 @@ def fit(times: Floats, states: Floats, fine: float = FINE, most: int = MOST) -> 
     yaw = np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
     wanted = np.column_stack([states[:, :3], yaw])
     most = min(most, max((len(times) - DEGREE - 1) // (2 * SMOOTH), 1))  # a knot wants rows
-    best = None
-    for count in sorted({min(count, most) for count in range(FEWEST, most + MORE, MORE)}):
-        tried = _fit(times, wanted, states[:, 7:10], count)
-        best = tried if best is None or tried.error < best.error else best
+    best = _fit(times, wanted, states[:, 7:10], min(FEWEST, most))
+    for count in sorted({min(count, most) for count in range(FEWEST + MORE, most + MORE, MORE)}):
         if best.error < fine:
             break
-    assert best is not None
+        best = min(best, _fit(times, wanted, states[:, 7:10], count), key=lambda one: one.error)
     return best
 
 
