@@ -30,8 +30,9 @@ from hotlap.real_flight.settings import FlightSettings, Flown
 from hotlap.real_flight.stand_in import StandInDrone
 from hotlap.reference.scenario import Scenario
 
+RACE = Path(__file__).with_name("crazyflie_gates.toml")
 NOISE = 0.005  # m
-ABOVE = 0.8  # m of the start over the ground
+ABOVE = 0.5  # m of the start over the ground
 
 Step = Callable[[StandIn], None]
 
@@ -116,7 +117,7 @@ def cut(scenario: Scenario, count: int) -> None:
 def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--race", default="lsy-level0")
+    parser.add_argument("--race", default=str(RACE))
     parser.add_argument("--laps", type=int, default=5)
     options = parser.parse_args()
     scenario = prepare(load_race(options.race))

@@ -21,7 +21,8 @@ from hotlap.reference.attitude import CONJUGATE, rotate, thrust_axis
 LEVELS, STOPS, WATCHED = 0.5, 2.0, 1.0  # s without a setpoint; s without a beat of the watchdog
 STILL_FLYING = 2.0  # s after the last thrust
 IDLE = 0.05  # of the throttle
-POSITION, VELOCITY, TURN = 9.0, 5.0, 9.0  # gains [1/s^2], [1/s], [1/s] of its controller
+POSITION, VELOCITY, SUM, TURN = 12.0, 5.5, 10.0, 9.0  # gains [1/s^2], [1/s], [1/s^3], [1/s] of its controller
+MOST_SUM = 0.5  # m s
 PUSH, FASTEST = 12.0, 6.0  # m/s^2, rad/s
 PIECE = 33  # numbers
 
@@ -71,6 +72,7 @@ class OnBoard:
     _beaten: float = math.inf
     _thrust: float = -math.inf
     _pieces: tuple[int, int] = (0, 0)
+    _sum: Floats = field(default_factory=lambda: np.zeros(3))
 
     @property
     def armed(self) -> bool:
@@ -178,7 +180,7 @@ class OnBoard:
             drone.advance(duration)
             return
         drone.mode = Mode.FOLLOW
-        throttle, rates = self._command(self._wanted())
+        throttle, rates = self._command(self._wanted(), duration)
         if throttle > IDLE:
             self._thrust = drone.time
         drone.told(throttle, rates)
@@ -200,12 +202,15 @@ class OnBoard:
             return None
         return self._plan(now - self._begun)
 
-    def _command(self, aim: Aim | None) -> tuple[float, Floats]:
+    def _command(self, aim: Aim | None, duration: float) -> tuple[float, Floats]:
         """Throttle and rates: a point mass that follows, whose thrust the body turns into."""
         if aim is None:
+            self._sum = np.zeros(3)
             return 0.0, np.zeros(3)
         state, drone = self.drone.state, self.drone
-        push = POSITION * (aim.position - state[:3]) + VELOCITY * (aim.velocity - state[7:10])
+        error = aim.position - state[:3]
+        self._sum = np.clip(self._sum + duration * error, -MOST_SUM, MOST_SUM)
+        push = POSITION * error + SUM * self._sum + VELOCITY * (aim.velocity - state[7:10])
         force = np.clip(push, -PUSH, PUSH) + aim.acceleration + [0.0, 0.0, drone.quadrotor.gravity]
         axis = thrust_axis(state[3:7])
         back = (state[3:7] * CONJUGATE)[None]
