@@ -76,9 +76,8 @@ def laps(scenario: Scenario, count: int, option: str) -> None:
         done += bool(flown.halt is None and not stand_in.board.drone.crashed and judged(scenario, flown))
         strays += sum(flown.geofence.outside(state[:3]) for _, state, _ in stand_in.setpoints)
         print(f"  lap {seed + 1}: mean error {errors[-1]:.3f} m, {flown.halt or 'landed'}", flush=True)
-    print(
-        f"{option or 'full states'}: {done} of {count} with all gates, landed; mean error {np.mean(errors):.3f} m; {strays} setpoints outside"
-    )
+    name = option or "full states"
+    print(f"{name}: {done} of {count} with all gates, landed; mean error {np.mean(errors):.3f} m; {strays} setpoints outside")
     print("".join(f"  {line}\n" for line in lines if "pieces" in line), end="")
 
 
