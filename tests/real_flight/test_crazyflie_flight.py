@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from importlib.util import find_spec
 
 import numpy as np
 import pytest
 
+from hotlap.api import lapped, scored
+from hotlap.cli import main
 from hotlap.core.errors import InputError
+from hotlap.files.descriptions import save_parameters
+from hotlap.files.parameters_file import SavedParameters
 from hotlap.real_flight import flight as flight_loop
 from hotlap.real_flight import open_link
 from hotlap.real_flight.crazyflie import onboard, vehicle
@@ -146,3 +151,19 @@ def test_a_dry_run_sends_nothing():
         RealFlight(link, SCENARIO, SCENARIO.space.first_guess(1), FlightSettings(wait=20.0), lines.append).look(0.3)
         assert (stand_in.setpoints, stand_in.requests) == ([], [])
     assert any("would send position (0.00, 0.00, 1.00) m, to its own controller" in line for line in lines)
+
+
+@pytest.mark.check
+def test_a_flight_from_the_command_line_is_judged_and_scored(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for module in (lapped, scored):
+        monkeypatch.setattr(module, "make_scenario", lambda race, asked: SCENARIO)
+    space = SCENARIO.space
+    save_parameters("any.toml", SavedParameters("arc", space.names, SCENARIO.segments, space.first_guess(1), {}))
+    with serving(airborne=True) as stand_in:
+        options = ["--on", name_of(stand_in), "--log", "flight.csv", "--no-rehearsal", "--json", "--wait", "20"]
+        assert main(["lap", "circle-34", "--parameters", "any.toml", *options]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["stopped"], document["completion"], document["thrust_gain"]) == (None, 1.0, None)
+    assert main(["score", "flight.csv", "--race", "circle-34", "--flights", "2", "--parameters", "any.toml", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["mean_error"] == pytest.approx(document["mean_error"])

@@ -178,6 +178,27 @@ def test_a_trajectory_is_uploaded_and_begun_with_the_race():
     assert "pieces, at most" in told
 
 
+@needs_cflib
+@pytest.mark.check
+def test_a_trajectory_that_is_left_is_landed_before_its_watchdog_stops_it():
+    reference = with_braking(SCENARIO).reference
+    states = np.hstack([reference.position, reference.attitude, reference.velocity, reference.rates])
+    heights = []
+    with serving(airborne=True, lockstep=False) as stand_in:
+        stand_in.each_step = lambda one: heights.append(one.board.drone.state[2]) if one.board.locked else None
+        with linked(stand_in, "trajectory") as link:
+            link.prepare(reference.times, states)
+            link.request(Request.ENGAGE)
+            link.receive(1.0)
+            link.send(setpoint(link, 0.0, states[0]))
+            until(lambda: stand_in.requests, link)
+            link.request(Request.HOLD)  # nobody could leave it there
+            until(lambda: not link.receive(1.0).engaged)
+        until(lambda: stand_in.board.locked)
+    assert [what for _, what in stand_in.requests][:4] == ["start", "give way", "land", "give way"]
+    assert heights[0] == pytest.approx(stand_in.board.drone.ground, abs=0.02)
+
+
 def test_a_watchdog_without_beats_stops_the_motors():
     board = OnBoard(make_drone(SCENARIO))
     board.hover(SCENARIO.reference.position[0])

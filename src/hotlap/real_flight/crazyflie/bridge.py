@@ -6,7 +6,7 @@ cflib is under the GPL, version 3. hotlap never imports it: this program does, w
 nothing else of hotlap. Whoever installs cflib beside it combines the two, on that computer. Each way a line is a JSON list: a word and
 its values. `vehicle` says what they mean to a flight; here they become packets, and packets become lines.
 
-When its input ends without "close", hotlap has died: then a Crazyflie that was flown is told to land.
+When its input ends without "close", hotlap has died or left: then a Crazyflie that was flown is told to land.
 """
 
 from __future__ import annotations
@@ -111,7 +111,8 @@ class Bridge:
     def do_land(self) -> None:
         """Land. The high-level commander is given its order before setpoints give way to it: until then it would stop the motors."""
         duration = max(LEAST_LANDING, (self._height - self._ground) / LANDING_SPEED)
-        self._crazyflie.high_level_commander.land(self._ground, duration, yaw=None)
+        commander: Any = self._crazyflie.high_level_commander  # its types know no None, by which it keeps its heading
+        commander.land(self._ground, duration, yaw=None)
         self._give_way()
 
     def do_hold(self) -> None:
@@ -165,14 +166,15 @@ class Bridge:
         os._exit(0)  # threads of cflib may wait
 
     def abandoned(self) -> None:
-        """Land what hotlap has left in the air."""
-        if self._flown and self._crazyflie.link is not None:
-            self.do_land()
+        """Land what hotlap has left in the air, and keep its watchdog content until it has landed."""
+        if self._crazyflie.link is not None:
+            if self._flown:
+                self.do_land()
             end = time.monotonic() + LINGER
             while self._watched and self._status & FLYING and time.monotonic() < end:
                 self.do_beat()
                 time.sleep(BEAT)
-            time.sleep(BEAT)
+            time.sleep(BEAT)  # what was sent last is on its way
         self.do_close()
 
     def _give_way(self) -> None:

@@ -17,7 +17,7 @@ from hotlap.core.errors import InputError
 PACKAGE = "cflib"
 PROGRAM = Path(__file__).with_name("bridge.py")
 CHUNK = 1 << 16  # bytes read at once
-ENDING = 2.0  # s to end by itself
+ENDING, LANDING = 2.0, 25.0  # s to end by itself, and to land before
 
 
 def check_package() -> None:
@@ -68,8 +68,16 @@ class Process:
         """Let it end, without a word to the Crazyflie; may be called twice."""
         if self._process.returncode is None:
             self.tell("close")
+        self._end(ENDING)
+
+    def leave(self) -> None:
+        """Let it end when the Crazyflie has landed."""
+        self._ends[0].close()
+        self._end(LANDING)
+
+    def _end(self, wait: float) -> None:
         try:
-            self._process.wait(ENDING)
+            self._process.wait(wait)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()

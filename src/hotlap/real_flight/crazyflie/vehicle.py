@@ -154,16 +154,18 @@ class CrazyflieVehicle:
                 self._asked_to_arm = True
             self._tell("arm", True)
         elif request is Request.DISARM:
-            self._engaged = False
             self._tell("stop")
         else:
             self._released += 1
-            self._tell("land" if request is Request.LAND else "hold")
+            self._tell("hold" if request is Request.HOLD and not self._started else "land")  # its watchdog lets nobody leave it in the air
 
     def close(self) -> None:
-        """End the process."""
-        if self._process is not None:
-            self._process.close()
+        """End the process; where a trajectory was begun only when it has landed, for without beats its watchdog would let it fall."""
+        if self._process is None:
+            return
+        if self._started and self._status & Status.FLYING and not self._follows and self.silent_for < self.patience:
+            self._process.leave()
+        self._process.close()
 
     @property
     def _armed(self) -> bool:
@@ -243,7 +245,7 @@ class CrazyflieVehicle:
             self._stands_at(float(self._fresh[1][2]))
         if self._released >= ASKED_ENOUGH or (self._released and (self._status & Status.COMMANDER or not self._status & Status.FLYING)):
             self._engaged = False
-        if self._released and self._asked_to_arm and not self._status & Status.FLYING:
+        if self._released and self._asked_to_arm and self._status & (Status.ARMED | Status.AUTO_ARMED | Status.FLYING) == Status.ARMED:
             self._tell("arm", False)
 
     def _hear_battery(self, voltage: float) -> None:
