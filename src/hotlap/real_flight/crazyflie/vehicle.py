@@ -169,10 +169,11 @@ class CrazyflieVehicle:
 
     @property
     def _armed(self) -> bool:
-        """Whether motors may turn because that was asked for, or because it flies."""
-        ours = self._asked_to_arm or self._in_air or bool(self._status & Status.FLYING) or not self._status & Status.AUTO_ARMED
-        has_landed = self._released > 0 and not self._status & Status.FLYING
-        return ours and bool(self._status & Status.ARMED) and not has_landed
+        """Whether motors may turn because that was asked for, or because it flies; one that arms itself says nothing by that."""
+        flies = bool(self._status & Status.FLYING)
+        by_itself = bool(self._status & Status.AUTO_ARMED) and not flies
+        ours = (self._asked_to_arm or self._in_air) and not self._released
+        return bool(self._status & Status.ARMED) and (ours or not by_itself)
 
     @property
     def _follows_us(self) -> bool:
