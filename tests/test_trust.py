@@ -30,6 +30,7 @@ IMPORTS_BY_NAME = {  # where a name that is computed is imported
     "cli/tuners.py": "modules of tuners",
     "exporters/__init__.py": "modules of formats",
     "logs/packages.py": "packages that read logs",
+    "real_flight/__init__.py": "modules of vehicles",
     "reproduce/experiments.py": "modules of experiments",
     "tuners/__init__.py": "modules of tuners",
     "worlds/__init__.py": "modules of worlds",

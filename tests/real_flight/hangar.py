@@ -88,8 +88,9 @@ class DirectLink:
         self._heard = 0.0
         self.prepared = (np.empty(0), np.empty((0, 13)))
 
-    def prepare(self, times: np.ndarray, states: np.ndarray) -> None:
+    def prepare(self, times: np.ndarray, states: np.ndarray) -> str:
         self.prepared = times, states
+        return ""
 
     def open(self, wait: float) -> str:
         if not self.there:

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from hotlap.core.errors import InputError
 from hotlap.real_flight import open_link
+from hotlap.real_flight.clocks import FollowedClock, OffsetClock
 from hotlap.real_flight.mavlink.address import address_of
-from hotlap.real_flight.mavlink.clocks import FollowedClock, OffsetClock
 from hotlap.real_flight.mavlink.frames import BODY_FRD, LOCAL_NED, odometry_of, rates_told, state_of_odometry
 from hotlap.real_flight.mavlink.states import States
 from hotlap.reference.attitude import thrust_axis

@@ -86,7 +86,9 @@ class LapResult(Outcome):
             known["lap time"] = f"{scores.lap_time[0]:.2f} s" if math.isfinite(scores.lap_time[0]) else "-"
             known["mean error"] = f"{scores.mean_error[0]:.2f} m from the reference"
             known["largest error"] = f"{scores.max_error[0]:.2f} m"
-        return {**known, "thrust": f"{self.flown.gain:.2f} of the file's, by hovering", "stopped": self.stopped}
+        if math.isfinite(self.flown.gain):
+            known["thrust"] = f"{self.flown.gain:.2f} of the file's, by hovering"
+        return {**known, "stopped": self.stopped}
 
     def rows(self) -> list[dict[str, Any]]:
         """A row for each gate: whether it was passed, and how far from it."""
@@ -107,7 +109,7 @@ class LapResult(Outcome):
             "phase": None if flown is None else flown.phase.value,
             "stopped": None if flown is None or flown.halt is None else flown.halt.reason.name.lower(),
             "detail": self.stopped,
-            "thrust_gain": None if flown is None else flown.gain,
+            "thrust_gain": None if flown is None or math.isnan(flown.gain) else flown.gain,
             "geofence": None if flown is None else flown.geofence.to_dict(),
             "completion": None if scores is None else float(scores.completion[0]),
             "lap_time": None if scores is None else float(scores.lap_time[0]),

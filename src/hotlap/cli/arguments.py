@@ -314,6 +314,7 @@ COMMANDS: Mapping[str, Command] = {
             "hotlap lap my-race.toml --parameters runs/mine --on mavlink:udpin:127.0.0.1:14540 --dry-run",
             "hotlap lap my-race.toml --parameters runs/mine --on mavlink:udpin:127.0.0.1:14540 --arm",
             "hotlap lap my-race.toml --parameters runs/mine --on mavlink:serial:/dev/ttyACM0:921600 --origin here --arm",
+            "hotlap lap my-race.toml --parameters runs/mine --on crazyflie:radio://0/80/2M/E7E7E7E7E7 --arm",
         ),
     ),
     "transfer": Command(

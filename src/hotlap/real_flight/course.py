@@ -8,7 +8,7 @@ from hotlap.core.errors import InputError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Floats
 from hotlap.real_flight.geofence import Geofence, geofence_of
-from hotlap.real_flight.legs import Guided
+from hotlap.real_flight.legs import Along, Guided
 from hotlap.real_flight.paths import offset_free, path_from_rest, scenario_of, with_braking, yaw_of
 from hotlap.real_flight.place import Place, place_here
 from hotlap.real_flight.settings import FlightSettings
@@ -26,26 +26,27 @@ class Course:
         scenario: what is flown.
         parameters: shape (S, K).
         settings: of the flight.
+        steers: whether hotlap's controllers fly; False: the vehicle's own does, and is told the reference.
 
     Attributes:
         scenario: the race, which ends with braking.
-        race: the tuned controller on it.
-        braking: a controller that learns, on the same.
+        race: the tuned controller on it, or the vehicle's own.
+        braking: a controller that learns, on the same; or the vehicle's own.
         stand: hovering where braking ends.
 
     Raises:
         InputError: the race has a flying start, or does not fit into the geofence.
     """
 
-    def __init__(self, scenario: Scenario, parameters: Parameters, settings: FlightSettings) -> None:
+    def __init__(self, scenario: Scenario, parameters: Parameters, settings: FlightSettings, *, steers: bool = True) -> None:
         if any(scenario.race.track.start_velocity):
             raise InputError("", "race", f"{scenario.race.name} has a flying start, and a real flight begins from hovering")
-        self._settings, self.scenario = settings, with_braking(scenario)
+        self._settings, self._steers, self.scenario = settings, steers, with_braking(scenario)
         self._default = scenario.space.first_guess(1)
         reference = self.scenario.reference
         self._fence(reference.position)
-        self.race = Guided(self.scenario, parameters, races=True)
-        self.braking = Guided(offset_free(self.scenario), parameters)
+        self.race = Guided(self.scenario, parameters, races=True) if steers else Along(self.scenario, races=True)
+        self.braking = Guided(offset_free(self.scenario), parameters) if steers else self.race
         heading = yaw_of(reference.attitude[-1])
         self.stand = self.hover(reference.position[-1:], (heading, heading))
 
@@ -60,7 +61,7 @@ class Course:
         ground = floor if floor is not None else float(self.start[2]) - ABOVE_GROUND
         return place_here(state, self.start, reference.attitude[0], ground)
 
-    def approach(self, state: Floats, *, stands: bool) -> tuple[Guided, Geofence]:
+    def approach(self, state: Floats, *, stands: bool) -> tuple[Along, Geofence]:
         """The way to the start: up first, where that is higher; and the geofence of the whole flight.
 
         Args:
@@ -85,7 +86,7 @@ class Course:
             raise InputError(error.source, error.key, f"{error.reason}; the vehicle is at ({place}) m") from None
         return self.hover(path, (yaw_of(state[3:7]), yaw_of(self.scenario.reference.attitude[0]))), fence
 
-    def hover(self, points: Floats, yaws: tuple[float, float], *, learns: bool = True) -> Guided:
+    def hover(self, points: Floats, yaws: tuple[float, float], *, learns: bool = True) -> Along:
         """Straight lines between points, and hovering at the last.
 
         Args:
@@ -95,7 +96,8 @@ class Course:
         """
         gravity = self.scenario.race.control_model.gravity
         path = path_from_rest(points, yaws, self._settings.speed, self._settings.acceleration, gravity)
-        return Guided(offset_free(scenario_of(self.scenario.race, path), on=learns), self._default)
+        scenario = offset_free(scenario_of(self.scenario.race, path), on=learns)
+        return Guided(scenario, self._default) if self._steers else Along(scenario)
 
     def _fence(self, path: Floats) -> Geofence:
         return geofence_of(path, self.scenario.race.track, self._settings.geofence, self._settings.margin)

@@ -24,7 +24,7 @@ from hotlap.core.parameters import Parameters
 from hotlap.core.records import Floats
 from hotlap.real_flight.course import Course
 from hotlap.real_flight.guard import Halt, Reason
-from hotlap.real_flight.legs import Guided, TakeOff
+from hotlap.real_flight.legs import Along, TakeOff
 from hotlap.real_flight.link import Link, Request, Seen
 from hotlap.real_flight.order import Order
 from hotlap.real_flight.paths import yaw_of
@@ -71,7 +71,7 @@ class RealFlight:
     ) -> None:
         model, self._period = scenario.race.control_model, scenario.race.controller.period
         self._link, self.settings, self._say, self._race = link, settings, say, scenario.race
-        self._place, self._course = read_place(settings.origin), Course(scenario, parameters, settings)
+        self._place, self._course = read_place(settings.origin), Course(scenario, parameters, settings, steers=link.takes_throttle)
         self.thrust_map = ThrustMap(model.max_acceleration, settings.curve, with_battery=settings.with_battery)
         self.phase, self.stream = Phase.MEET, Stream(link, self._period, self.thrust_map, self._place or Place(np.zeros(3)))
         self._spoke = -math.inf
@@ -98,7 +98,8 @@ class RealFlight:
                 raise
         finally:
             self._link.close()
-        return Flown(self.stream.record, self.phase, halt, self.thrust_map.gain, self.stream.guard.geofence, vehicle)
+        gain = self.thrust_map.gain if self._link.takes_throttle else math.nan
+        return Flown(self.stream.record, self.phase, halt, gain, self.stream.guard.geofence, vehicle)
 
     def look(self, duration: float) -> None:
         """Say for a while what would be sent to hover where the vehicle is, and send nothing.
@@ -118,16 +119,19 @@ class RealFlight:
             here = self._course.hover(seen.state[None, :3], (heading, heading), learns=False)
             begun, self._spoke = seen.now, -math.inf
             for state in self.stream.states():
-                order = here.order(state)
-                told, throttle = ", ".join(f"{rate:.2f}" for rate in order.rates), 100 * self.stream.throttle(order)
                 place = ", ".join(f"{value:.2f}" for value in state.state[:3])
-                self._tell(
-                    state, f"at ({place}) m would send thrust {order.thrust:.2f} m/s^2, throttle {throttle:.0f} %, rates ({told}) rad/s"
-                )
+                self._tell(state, f"at ({place}) m would send {self._words(here.order(state))}")
                 if state.now - begun >= duration:
                     return
         finally:
             self._link.close()
+
+    def _words(self, order: Order) -> str:
+        """What would be sent for an order, for people."""
+        if not self._link.takes_throttle:
+            return f"position ({', '.join(f'{value:.2f}' for value in order.reference[:3])}) m, to its own controller"
+        rates = ", ".join(f"{rate:.2f}" for rate in order.rates)
+        return f"thrust {order.thrust:.2f} m/s^2, throttle {100 * self.stream.throttle(order):.0f} %, rates ({rates}) rad/s"
 
     def _fly(self) -> None:
         """All phases in order."""
@@ -139,7 +143,8 @@ class RealFlight:
         self._say(f"geofence {self.stream.guard.geofence.words}")
         reference = self._course.scenario.reference
         states = np.hstack([reference.position, reference.attitude, reference.velocity, reference.rates])
-        self._link.prepare(reference.times, self.stream.place.told_all(states))
+        if told := self._link.prepare(reference.times, self.stream.place.told_all(states)):
+            self._say(f"note: {told}")
         self._engage(seen, approach)
         if _stands(seen) and self._link.takes_throttle:
             self._take_off(seen, approach)
@@ -177,7 +182,7 @@ class RealFlight:
             self.stream.place = self._course.above(seen.state)
         return self.stream.place.seen(seen)
 
-    def _engage(self, seen: Seen, approach: Guided) -> None:
+    def _engage(self, seen: Seen, approach: Along) -> None:
         """Let the vehicle follow setpoints, and arm it.
 
         Raises:
@@ -206,7 +211,7 @@ class RealFlight:
         guard.armed = True
         approach.begin(self._link.now)
 
-    def _take_off(self, seen: Seen, approach: Guided) -> None:
+    def _take_off(self, seen: Seen, approach: Along) -> None:
         """More and more thrust, until it lifts.
 
         Raises:
@@ -225,7 +230,7 @@ class RealFlight:
             if leg.has_failed(state):
                 raise Halt(Reason.NOT_LIFTED, f"with {100 * throttle:.0f} % of the throttle")
 
-    def _approach(self, leg: Guided) -> None:
+    def _approach(self, leg: Along) -> None:
         """Fly to the start, and hover there until that is steady; learn what thrust is worth.
 
         Raises:
@@ -251,7 +256,8 @@ class RealFlight:
                 self._learn(acted / float(np.mean(thrusts)))
                 break
         throttle, gain = 100 * self.thrust_map.hover_throttle, self.thrust_map.gain
-        self._say(f"hovers with {throttle:.0f} % of the throttle: thrust is {gain:.2f} of the file's")
+        if self._link.takes_throttle:
+            self._say(f"hovers with {throttle:.0f} % of the throttle: thrust is {gain:.2f} of the file's")
 
     def _learn(self, gain: float) -> None:
         """Correct the thrust map by the thrust that acted over that which was asked for [-].

@@ -1,4 +1,4 @@
-"""Legs: what gives the commands of a part of a real flight: the tuned controller on a reference, or a ramp of thrust on the ground."""
+"""Legs: what gives the commands of a part of a real flight: the tuned controller on a reference, the reference alone, or a ramp."""
 
 from __future__ import annotations
 
@@ -29,12 +29,13 @@ class Leg(Protocol):
         ...
 
 
-class Guided:
-    """The controller on a reference, whose time begins with the first order.
+class Along:
+    """A reference, flown by the vehicle's own controller; its time begins with the first order.
+
+    What such a vehicle is told is the reference; thrust and rates of an order are those of the reference, too.
 
     Args:
-        scenario: the reference, and the controller that flies it.
-        parameters: shape (S, K).
+        scenario: the reference.
         races: whether it is the race itself.
 
     Attributes:
@@ -42,22 +43,14 @@ class Guided:
         duration: [s] until the last row of the reference.
     """
 
-    def __init__(self, scenario: Scenario, parameters: Parameters, *, races: bool = False) -> None:
+    def __init__(self, scenario: Scenario, *, races: bool = False) -> None:
         self.scenario, self.begun, self._races = scenario, math.nan, races
         self.duration = (len(scenario.reference.position) - 1) * scenario.reference.period
-        self._controller, self._gravity = HeedingController(scenario, parameters), scenario.race.control_model.gravity
-        start = np.concatenate([scenario.reference.position[0], scenario.reference.attitude[0], scenario.reference.velocity[0]])
-        self._controller.command(0.0, start, 0.01)  # so that nothing is compiled, or loaded, in flight
-        self._controller.reset()
+        self._gravity = scenario.race.control_model.gravity
 
-    def begin(self, now: float, effectiveness: float = 1.0) -> None:
-        """Begin at a time [s] of the vehicle's clock, with a first estimate of the thrust that acts over that commanded [-]."""
+    def begin(self, now: float) -> None:
+        """Begin at a time [s] of the vehicle's clock."""
         self.begun = now
-        if self._controller.is_offset_free:
-            low, high = EFFECTIVENESS_LIMITS
-            self._controller.reset(min(max(effectiveness, low), high))
-        else:
-            self._controller.reset()
 
     def time_of(self, seen: Seen) -> float:
         """[s] of the reference now."""
@@ -68,18 +61,26 @@ class Guided:
         if math.isnan(self.begun):
             self.begin(seen.now)
         time = self.time_of(seen)
-        command = self._controller.command(time, seen.state, max(seen.age, 0.0))
-        estimates = np.append(self._controller.thrust_effectiveness, self._controller.disturbance)
+        command, estimates = self._command(time, seen)
         reference, acceleration = self.reference_at(time)
         return Order(float(command[0]), command[1:], reference, acceleration, estimates, time if self._races else None)
 
     def heed(self, seen: Seen, order: Order) -> None:
         """One control step whose command is not flown, but that of another leg: so it knows what acts when its own turn comes."""
-        time = self.time_of(seen)
-        self._controller.heed(time, seen.state, max(seen.age, 0.0), np.array([order.thrust, *order.rates]))
 
     def reference_at(self, time: float) -> tuple[Floats, Floats]:
         """State, shape (13,), and acceleration, shape (3,) [m/s^2] (race), of the reference at a time [s]."""
+        state, thrust = self._row(time)
+        return state, thrust * thrust_axis(state[3:7]) - np.array([0.0, 0.0, self._gravity])
+
+    def _command(self, time: float, seen: Seen) -> tuple[Floats, Floats]:
+        """Thrust and rates, shape (4,), and estimates, shape (4,)."""
+        del seen  # whose controller looks at it is not ours
+        state, thrust = self._row(time)
+        return np.array([thrust, *state[10:13]]), np.array([1.0, 0.0, 0.0, 0.0])
+
+    def _row(self, time: float) -> tuple[Floats, float]:
+        """State, shape (13,), and thrust [m/s^2] of the reference at a time [s]."""
         reference = self.scenario.reference
         place = min(max(time / reference.period, 0.0), len(reference.position) - 1)
         row = min(int(place), len(reference.position) - 2)
@@ -88,8 +89,42 @@ class Guided:
         parts = (reference.position[both], reference.attitude[both], reference.velocity[both], reference.rates[both])
         state = np.concatenate([(1 - share) * part[0] + share * part[1] for part in parts])
         state[3:7] /= np.linalg.norm(state[3:7])
-        thrust = (1 - share) * reference.thrust[row] + share * reference.thrust[row + 1]
-        return state, thrust * thrust_axis(state[3:7]) - np.array([0.0, 0.0, self._gravity])
+        return state, float((1 - share) * reference.thrust[row] + share * reference.thrust[row + 1])
+
+
+class Guided(Along):
+    """The controller on a reference.
+
+    Args:
+        scenario: the reference, and the controller that flies it.
+        parameters: shape (S, K).
+        races: whether it is the race itself.
+    """
+
+    def __init__(self, scenario: Scenario, parameters: Parameters, *, races: bool = False) -> None:
+        super().__init__(scenario, races=races)
+        self._controller = HeedingController(scenario, parameters)
+        start = np.concatenate([scenario.reference.position[0], scenario.reference.attitude[0], scenario.reference.velocity[0]])
+        self._controller.command(0.0, start, 0.01)  # so that nothing is compiled, or loaded, in flight
+        self._controller.reset()
+
+    def begin(self, now: float, effectiveness: float = 1.0) -> None:
+        """Begin at a time [s] of the vehicle's clock, with a first estimate of the thrust that acts over that commanded [-]."""
+        super().begin(now)
+        if self._controller.is_offset_free:
+            low, high = EFFECTIVENESS_LIMITS
+            self._controller.reset(min(max(effectiveness, low), high))
+        else:
+            self._controller.reset()
+
+    def heed(self, seen: Seen, order: Order) -> None:
+        """See `Along`."""
+        time = self.time_of(seen)
+        self._controller.heed(time, seen.state, max(seen.age, 0.0), np.array([order.thrust, *order.rates]))
+
+    def _command(self, time: float, seen: Seen) -> tuple[Floats, Floats]:
+        command = self._controller.command(time, seen.state, max(seen.age, 0.0))
+        return command, np.append(self._controller.thrust_effectiveness, self._controller.disturbance)
 
 
 class TakeOff:

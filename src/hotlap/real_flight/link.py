@@ -157,12 +157,18 @@ class Link(Protocol):
         """Why the vehicle has refused the last request, in words; "" where it has not."""
         ...
 
-    def prepare(self, times: Floats, states: Floats) -> None:
+    def prepare(self, times: Floats, states: Floats) -> str:
         """Take in what the race is going to be, before the vehicle is engaged; nothing to do for one that follows setpoints.
+
+        Returns:
+            What is worth knowing about it, in words; "" where there is nothing.
 
         Args:
             times: shape (rows,) [s] since the start of the race, braking included.
             states: shape (rows, 13) of the reference then, in the vehicle's own world.
+
+        Raises:
+            LinkError: the vehicle cannot take it.
         """
         ...
 

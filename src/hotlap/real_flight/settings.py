@@ -60,7 +60,7 @@ class Flown:
         record: of all steps.
         phase: the last.
         halt: what has stopped it; None: it went to its end.
-        gain: thrust as hovering showed it, over that of the file [-]; 1 where it never hovered.
+        gain: thrust as hovering showed it, over that of the file [-]; 1 where it never hovered, NaN where its own controller flew it.
         geofence: that held.
         vehicle: what it is, in words.
     """

@@ -9,6 +9,7 @@ from contextlib import suppress
 from typing import Any
 
 from hotlap.core.records import Floats
+from hotlap.real_flight.clocks import FollowedClock, OffsetClock, VehicleClock
 from hotlap.real_flight.link import LinkError, Request, Seen, Setpoint
 from hotlap.real_flight.mavlink.address import Address
 from hotlap.real_flight.mavlink.autopilots import (
@@ -21,7 +22,6 @@ from hotlap.real_flight.mavlink.autopilots import (
     RESULTS,
     THRUST_AS_THRUST,
 )
-from hotlap.real_flight.mavlink.clocks import FollowedClock, OffsetClock, VehicleClock
 from hotlap.real_flight.mavlink.frames import rates_told
 from hotlap.real_flight.mavlink.package import connect
 from hotlap.real_flight.mavlink.states import States
@@ -128,8 +128,10 @@ class MavlinkVehicle:
         """What COMMAND_ACK said to the last request, and the last complaint of the autopilot."""
         return f"{self._refusal}{f' ({self._complaint})' if self._complaint else ''}" if self._refusal else ""
 
-    def prepare(self, times: Floats, states: Floats) -> None:
+    def prepare(self, times: Floats, states: Floats) -> str:
         """Nothing: it follows setpoints."""
+        del times, states
+        return ""
 
     def send(self, setpoint: Setpoint) -> None:
         """SET_ATTITUDE_TARGET with rates and thrust."""
