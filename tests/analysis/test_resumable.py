@@ -13,7 +13,7 @@ from hotlap.analysis import resumable
 from hotlap.analysis.resumable import DECIDING, ResumableJobs, digest_code
 from test_floors import FLOOR_OF, FLOORS
 
-NO_MATTER = {"system", "files", "importers", "feasibility", "logs", "identification", "real_flight"}  # of a simulated flight: what is read is in its key
+NO_MATTER = {"system", "files", "importers", "feasibility", "logs", "identification", "real_flight"}  # of a flight: their keys say it
 
 
 def double(piece: int) -> Iterator[int]:
