@@ -138,6 +138,50 @@ def test_who_takes_over_is_left_alone():
     assert max(moment for moment, _, _ in link.sent) <= cut[0]
 
 
+@pytest.mark.parametrize("way", ["slow", "interrupted", "no number"])
+def test_who_takes_over_while_it_lands_is_left_alone_however_that_ends(way, monkeypatch):
+    monkeypatch.setattr(flight_loop, "LANDING", 1.0)
+
+    def take_over(each):
+        asked = next((at for at, request in each.requests if request is Request.LAND), np.inf)
+        if each.drone.time > asked:
+            each.drone.change(Mode.HOLD)
+        if each.drone.time > asked + 0.1:
+            each.shift = np.full(3, np.nan if way == "no number" else 0.0)
+            if way == "interrupted":
+                raise KeyboardInterrupt
+
+    link = DirectLink(airborne(), take_over)
+    flying = flight(link, on_stop=Request.DISARM)
+    if way == "interrupted":
+        with pytest.raises(KeyboardInterrupt):
+            flying.fly()
+    else:
+        assert flying.fly().halt is not None
+    assert (flying.phase, flying.asked_to) == (Phase.LAND, None)
+    assert [request for _, request in link.requests] == [Request.ENGAGE, Request.LAND]
+
+
+def test_a_pilot_who_does_not_hand_over_is_left_alone():
+    link = DirectLink(airborne())
+    link.drone.change = lambda mode: False
+    link.refusal = "mode denied"
+    flown = flight(link).fly()
+    assert (flown.phase, flown.halt.reason) == (Phase.ENGAGE, Reason.REFUSED)
+    assert {request for _, request in link.requests} == {Request.ENGAGE}
+
+
+def test_an_interruption_after_it_was_asked_to_follow_stops_it_before_it_says_so():
+    def interrupt(each):
+        if each.requests:
+            raise KeyboardInterrupt
+
+    link = DirectLink(airborne(), interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        flight(link).fly()
+    assert [request for _, request in link.requests] == [Request.ENGAGE, Request.LAND]
+
+
 def test_a_position_that_jumps_stops_it():
     link = DirectLink(airborne())
     in_race(link, lambda each: setattr(each, "shift", np.array([1.2, 0.0, 0.0])), 0.2)

@@ -172,7 +172,7 @@ def _fly(flight: RealFlight, scenario: Scenario, log: Path) -> LapResult:
     except BaseException as error:
         if flight.phase is not Phase.MEET:
             written = "; its flight is in " + str(log) if _write(log, flight, scenario) else ""
-            error.add_note(f"the vehicle was asked to {flight.settings.on_stop}{written}")
+            error.add_note(f"the vehicle was asked {f'to {flight.asked_to}' if flight.asked_to else 'for nothing'}{written}")
         raise
     if flown.halt is not None and flown.phase in {Phase.MEET, Phase.ENGAGE}:
         raise InputError("", "on", f"{flown.vehicle}: {flown.halt}")

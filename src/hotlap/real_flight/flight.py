@@ -9,7 +9,7 @@
     land     the autopilot does
 
 All steps go by the vehicle's own times. Whatever stops a flight, the vehicle is asked for `on_stop`, and no setpoint is sent any more;
-where it no longer follows hotlap it is asked for nothing. The autopilot's own failsafe for setpoints that cease is the last line.
+where it does not follow hotlap it is asked for nothing: a pilot, or its own landing, has it. The autopilot's own failsafe for setpoints that cease is the last line.
 """
 
 from __future__ import annotations
@@ -61,6 +61,7 @@ class RealFlight:
         phase: what is being done.
         stream: states and commands.
         thrust_map: what hovering has taught.
+        asked_to: what it was asked for when something stopped the flight; None: nothing.
 
     Raises:
         InputError: the race cannot be flown from hovering, or settings are none.
@@ -74,7 +75,8 @@ class RealFlight:
         self._place, self._course = read_place(settings.origin), Course(scenario, parameters, settings)
         self.thrust_map = ThrustMap(model.max_acceleration, settings.curve, with_battery=settings.with_battery)
         self.phase, self.stream = Phase.MEET, Stream(link, self._period, self.thrust_map, self._place or Place(np.zeros(3)))
-        self._spoke = -math.inf
+        self._spoke, self._asked_to_follow = -math.inf, False
+        self.asked_to: Request | None = None
 
     def fly(self) -> Flown:
         """Fly it.
@@ -82,7 +84,7 @@ class RealFlight:
         Raises:
             LinkError: there is no vehicle.
             InputError: where it stands, or what it sends, does not do.
-            KeyboardInterrupt: by the user; the vehicle has been asked to stop.
+            KeyboardInterrupt: by the user; the vehicle has been asked to stop, see `asked_to`.
         """
         halt, vehicle = None, ""
         try:
@@ -202,7 +204,7 @@ class RealFlight:
             if wanted is Request.ARM and not self.settings.arm:
                 raise Halt(Reason.DISARMED, "and hotlap arms only when that is asked for")
             self._link.request(wanted)
-            asked = state.now
+            self._asked_to_follow, asked = True, state.now
         guard.armed = True
         approach.begin(self._link.now)
 
@@ -324,11 +326,21 @@ class RealFlight:
             self._say(f"{self.phase}: {words}")
 
     def _stop(self, reason: Reason) -> None:
-        """Ask the vehicle to stop, unless nothing was begun or it is not ours."""
-        if self.phase is Phase.MEET or reason in {Reason.TAKEN_OVER, Reason.DISARMED}:
+        """Ask the vehicle to stop, unless it is not ours."""
+        if not self._is_ours(reason):
             return
-        self._say(f"stopping: {self.settings.on_stop}")
-        self.stream.stop(self.settings.on_stop)
+        self.asked_to = Request.LAND if self.phase is Phase.LAND else self.settings.on_stop  # who lands is not stopped in the air
+        self._say(f"stopping: {self.asked_to}")
+        self.stream.stop(self.asked_to)
+
+    def _is_ours(self, reason: Reason) -> bool:
+        """Whether the vehicle follows hotlap, or is about to; whoever else flies it must not be disturbed."""
+        last = self.stream.guard.last
+        if self.phase is Phase.MEET or reason in {Reason.TAKEN_OVER, Reason.DISARMED}:
+            return False
+        if last is not None and last.engaged:
+            return True
+        return self.phase is Phase.ENGAGE and self._asked_to_follow and reason is not Reason.REFUSED
 
 
 def _stands(seen: Seen) -> bool:
