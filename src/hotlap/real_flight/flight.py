@@ -9,7 +9,8 @@
     land     the autopilot does
 
 All steps go by the vehicle's own times. Whatever stops a flight, the vehicle is asked for `on_stop`, and no setpoint is sent any more;
-where it does not follow hotlap it is asked for nothing: a pilot, or its own landing, has it. The autopilot's own failsafe for setpoints that cease is the last line.
+where it does not follow hotlap it is asked for nothing: a pilot, or its own landing, has it. The autopilot's own failsafe for setpoints
+that cease is the last line.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from hotlap.core.errors import HotlapError, InputError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Floats
 from hotlap.real_flight.course import Course
-from hotlap.real_flight.guard import Halt, Reason
+from hotlap.real_flight.guard import Halt, Reason, check_usable
 from hotlap.real_flight.legs import Guided, TakeOff
 from hotlap.real_flight.link import Link, Request, Seen
 from hotlap.real_flight.order import Order
@@ -38,6 +39,7 @@ MEETING, SLOWEST = 1.0, 2.5  # s over which states are counted; control periods 
 ASKING = 0.5  # s between requests
 ANSWER, REFUSING = 8.0, 2.5  # s until a request has to be fulfilled, and from which on a refusal is an answer
 IDLE = 1.2  # s of setpoints before an autopilot is asked to follow them; PX4 wants a second
+MOVED = 1.0  # m from where it was met to where it follows, at most: the way to the start begins there
 HANDING_OVER = 1.0  # s for which the controller that brakes heeds that of the race
 STEADY, STEADY_FOR, UNSTEADY = (0.15, 0.15), 1.5, 20.0  # (m, m/s) and s: hovering is steady; s until it has to be
 STANDING = 1.0  # s at the end of braking
@@ -158,7 +160,7 @@ class RealFlight:
 
         Raises:
             InputError: states are too few.
-            Halt: there are none.
+            Halt: there are none, or they cannot be flown with.
         """
         counted: list[Seen] = []
         for seen in self.stream.received(self.settings.wait + MEETING, math.inf):
@@ -175,6 +177,7 @@ class RealFlight:
         if spacing > SLOWEST * self._period:
             needed = f"{1 / self._period:.0f} are wanted (controller.period), {1 / (SLOWEST * self._period):.0f} are needed"
             raise InputError("", "on", f"{self._link.name} sends {1 / spacing:.0f} states in a second: {needed}")
+        check_usable(seen)
         if self._place is None:
             self.stream.place = self._course.above(seen.state)
         return self.stream.place.seen(seen)
@@ -183,16 +186,19 @@ class RealFlight:
         """Let the vehicle follow setpoints, and arm it.
 
         Raises:
-            Halt: it refuses, or does not answer.
+            Halt: it refuses, does not answer, is disarmed, or has moved meanwhile.
         """
         self._begin(Phase.ENGAGE)
         idle, stands, guard = Order(0.0, np.zeros(3), seen.state, np.zeros(3), NOTHING), _stands(seen), self.stream.guard
-        guard.armed = not stands
+        guard.armed = seen.armed or not stands
         begun = asked = self._link.now
         for state in self.stream.states():
             self.stream.send(state, idle if stands else approach.order(state))
-            guard.engaged = guard.engaged or state.engaged
+            guard.engaged, guard.armed = guard.engaged or state.engaged, guard.armed or state.armed
             if state.engaged and state.armed:
+                moved = float(np.linalg.norm(state.state[:3] - seen.state[:3]))
+                if moved > MOVED:
+                    raise Halt(Reason.JUMP, f"it is {moved:.1f} m from where it was met")
                 break
             if state.now - begun < IDLE or state.now - asked < ASKING:
                 continue
@@ -205,7 +211,6 @@ class RealFlight:
                 raise Halt(Reason.DISARMED, "and hotlap arms only when that is asked for")
             self._link.request(wanted)
             self._asked_to_follow, asked = True, state.now
-        guard.armed = True
         approach.begin(self._link.now)
 
     def _take_off(self, seen: Seen, approach: Guided) -> None:
@@ -223,6 +228,8 @@ class RealFlight:
                 approach.begin(state.now)
                 self.stream.follow(state, approach)
                 return
+            if leg.has_tipped(state):
+                raise Halt(Reason.NOT_LIFTED, "it tips over")
             throttle = self.stream.send(state, leg.order(state))  # not recorded: the ground carries it
             if leg.has_failed(state):
                 raise Halt(Reason.NOT_LIFTED, f"with {100 * throttle:.0f} % of the throttle")
@@ -237,7 +244,6 @@ class RealFlight:
         since, first, thrusts = self._link.now, 0.0, list[float]()
         for seen in self.stream.states():
             order = self.stream.follow(seen, leg)
-            self.stream.guard.check_distance(seen, order.reference)
             distance, speed = (float(np.linalg.norm(part)) for part in (seen.state[:3] - self._course.start, seen.state[7:10]))
             self._tell(seen, f"{distance:.2f} m from the start, {speed:.2f} m/s")
             if distance > STEADY[0] or speed > STEADY[1]:
@@ -281,7 +287,6 @@ class RealFlight:
             order = self.stream.follow(seen, race if time < end else braking)
             if end - HANDING_OVER <= time < end:
                 braking.heed(seen, order)
-            self.stream.guard.check_distance(seen, order.reference)
             self._tell(seen, f"{time:.1f} of {end:.1f} s" if time < end else "braking")
             if time >= race.duration - STANDING:
                 return
