@@ -175,7 +175,8 @@ def _fly(flight: RealFlight, scenario: Scenario, log: Path, say: Callable[[str],
         if flight.phase is not Phase.MEET:
             written = _write(log, flight, scenario, say)
             kept = "" if written is None else f"; its flight is in {written}"
-            error.add_note(f"the vehicle was asked {f'to {flight.asked_to}' if flight.asked_to else 'for nothing'}{kept}")
+            asked = f"was asked to {flight.asked_to}" if flight.asked_to else "does not follow hotlap, and was not asked to stop"
+            error.add_note(f"the vehicle {asked}{kept}")
         raise
     if flown.halt is not None and flown.phase in {Phase.MEET, Phase.ENGAGE}:
         raise InputError("", "on", f"{flown.vehicle}: {flown.halt}")

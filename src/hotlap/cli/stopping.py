@@ -1,4 +1,4 @@
-"""Stopping: Ctrl-C and SIGTERM end a command in order, once; a second one ends it at once."""
+"""Stopping: Ctrl-C, SIGTERM and a terminal that is closed end a command in order, once; a second one ends it at once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+HANGUP = getattr(signal, "SIGHUP", None)  # Windows has none
+SIGNALS = (signal.SIGINT, signal.SIGTERM, *([] if HANGUP is None else [HANGUP]))
 
 
 class Stopped(KeyboardInterrupt):
@@ -40,10 +41,10 @@ def stopped_by_signals() -> Iterator[None]:
     def stop(number: int, _: FrameType | None) -> NoReturn:
         """The first signal stops the work in good order, a second one at once."""
         received.append(number)
-        _restore(dict.fromkeys(SIGNALS, signal.SIG_DFL))
+        _restore(dict.fromkeys(before, signal.SIG_DFL))
         raise Stopped(number)
 
-    before = {number: signal.signal(number, stop) for number in SIGNALS}
+    before = {number: signal.signal(number, stop) for number in SIGNALS if not _outlives(number)}
     try:
         yield
     except Exception as error:
@@ -65,6 +66,11 @@ def remark(text: str) -> Iterator[None]:
     except BaseException as error:
         error.add_note(text)
         raise
+
+
+def _outlives(number: int) -> bool:
+    """Whether the command is to go on without its terminal, as `nohup` has it."""
+    return number == HANGUP and signal.getsignal(number) is signal.SIG_IGN
 
 
 def _restore(handlers: dict[signal.Signals, Any]) -> None:

@@ -55,7 +55,7 @@ class ThrustMap:
         if not share > 0:
             return 0.0
         c = self._curve
-        return 2 * share / (math.sqrt((1 - c) ** 2 + 4 * c * share) + (1 - c))  # the root, exact for a small c too
+        return min(2 * share / (math.sqrt((1 - c) ** 2 + 4 * c * share) + (1 - c)), 1.0)  # the root, exact for a small c too
 
     def correct(self, gain: float) -> None:
         """Take in what hovering has shown.
