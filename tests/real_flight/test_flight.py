@@ -163,6 +163,20 @@ def test_who_takes_over_while_it_lands_is_left_alone_however_that_ends(way, monk
     assert [request for _, request in link.requests] == [Request.ENGAGE, Request.LAND]
 
 
+def test_who_takes_over_because_the_position_fails_is_left_alone():
+    link, said = DirectLink(airborne()), []
+    in_race(link, lambda each: (each.drone.change(Mode.HOLD), setattr(each, "shift", np.full(3, np.nan))), 0.2)
+    flown = RealFlight(link, SCENARIO, PARAMETERS, FlightSettings(), said.append).fly()
+    assert (flown.halt.reason, link.requests[-1][1]) == (Reason.TAKEN_OVER, Request.ENGAGE)
+
+
+def test_a_stop_that_is_refused_is_said():
+    link, said = DirectLink(airborne()), []
+    in_race(link, lambda each: (setattr(each, "states", False), setattr(each, "refusal", "mode denied")), 0.2)
+    RealFlight(link, SCENARIO, PARAMETERS, FlightSettings(), said.append).fly()
+    assert said[-1] == "note: mode denied"
+
+
 def test_a_pilot_who_does_not_hand_over_is_left_alone():
     link = DirectLink(airborne())
     link.drone.change = lambda mode: False

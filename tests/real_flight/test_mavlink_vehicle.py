@@ -198,6 +198,18 @@ def test_who_follows_is_asked_often_whether_it_still_does(peer):
     assert "COMMAND_512" in peer.hear()
 
 
+@pytest.mark.parametrize("request_", [Request.LAND, Request.HOLD, Request.DISARM])
+def test_who_has_left_is_not_asked_to_stop_though_no_state_comes_that_says_so(peer, request_):
+    for followed in (True, False):
+        peer.meet(custom=AUTOPILOTS[PX4].custom_mode(Request.ENGAGE if followed else Request.HOLD), base=CUSTOM | ARMED)
+    peer.hear()
+    peer.vehicle.request(request_)
+    assert not {"COMMAND_176", "COMMAND_400"} & set(peer.hear())
+    assert peer.vehicle.refusal == "it no longer follows hotlap, and is left alone"
+    peer.vehicle.request(Request.ENGAGE)
+    assert "COMMAND_176" in peer.hear()
+
+
 def test_who_never_stops_talking_does_not_hold_up_a_flight(peer):
     peer.meet()
     peer.state(1.0)

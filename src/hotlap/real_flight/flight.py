@@ -337,6 +337,8 @@ class RealFlight:
         self.asked_to = Request.LAND if self.phase is Phase.LAND else self.settings.on_stop  # who lands is not stopped in the air
         self._say(f"stopping: {self.asked_to}")
         self.stream.stop(self.asked_to)
+        if self._link.refusal:
+            self._say(f"note: {self._link.refusal}")
 
     def _is_ours(self, reason: Reason) -> bool:
         """Whether the vehicle follows hotlap, or is about to; whoever else flies it must not be disturbed."""

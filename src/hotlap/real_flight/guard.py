@@ -75,11 +75,11 @@ class Guard:
         Raises:
             Halt: a limit is passed.
         """
-        check_usable(seen)
         if self.engaged and not seen.engaged:
-            raise Halt(Reason.TAKEN_OVER)
+            raise Halt(Reason.TAKEN_OVER)  # first: whatever else is wrong, it is the pilot's now
         if self.armed and not seen.armed:
             raise Halt(Reason.DISARMED)
+        check_usable(seen)
         if self.armed:
             self._check_jump(seen)
             ahead = seen.state[:3] + (max(seen.age, 0.0) + LOOK_AHEAD) * seen.state[7:10]

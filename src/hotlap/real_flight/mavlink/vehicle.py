@@ -39,6 +39,7 @@ FORCED = 21196.0  # what lets motors be stopped in flight
 NOWHERE = (1.0, 0.0, 0.0, 0.0)
 VOLTAGE_UNKNOWN = 65535  # mV
 WARNING = 4  # MAV_SEVERITY: worse ones are smaller
+STOPS = (Request.LAND, Request.HOLD, Request.DISARM)
 SLOW = {245: 5.0, 1: 2.0}  # [1/s] EXTENDED_SYS_STATE, SYS_STATUS
 
 
@@ -68,7 +69,7 @@ class MavlinkVehicle:
         self._target, self._autopilot, self._kind = (0, 0), AUTOPILOTS[ARDUPILOT], 0
         self._sender: Sender = None
         self._rival, self._questions = "", deque[int](maxlen=QUESTIONS)
-        self._armed, self._engaged, self._on_ground, self._voltage = False, False, None, math.nan
+        self._armed, self._engaged, self._left, self._on_ground, self._voltage = False, False, False, None, math.nan
         self._heard = self._heartbeat = time.monotonic()
         self._beaten = self._asked = self._asked_still = -math.inf
         self._refusal, self._complaint, self._options = "", "", math.nan
@@ -147,9 +148,12 @@ class MavlinkVehicle:
         self._write("set_attitude_target", stamp, *self._target, RATES_ONLY, NOWHERE, *rates_told(setpoint.rates), setpoint.throttle)
 
     def request(self, request: Request) -> None:
-        """A mode, or COMPONENT_ARM_DISARM."""
+        """A mode, or COMPONENT_ARM_DISARM; who has followed and no longer does is not asked to stop: it is a pilot's now."""
         self._refusal = self._complaint = ""
         self._line.only_kept = True
+        if self._left and request in STOPS:
+            self._refusal = "it no longer follows hotlap, and is left alone"
+            return
         if request in self._autopilot.modes:
             main, sub = self._autopilot.modes[request]
             self._command(self._messages.MAV_CMD_DO_SET_MODE, CUSTOM, main, sub)
@@ -202,7 +206,9 @@ class MavlinkVehicle:
         elif kind == "HEARTBEAT":
             self._heartbeat = self._heard
             self._armed = bool(message.base_mode & ARMED)
+            before = self._engaged
             self._engaged = bool(message.base_mode & CUSTOM) and self._autopilot.is_engaged(message.custom_mode)
+            self._left = not self._engaged and (before or self._left)
         elif kind == "EXTENDED_SYS_STATE":
             self._on_ground = {1: True, 2: False, 3: False, 4: False}.get(message.landed_state)
         elif kind == "SYS_STATUS":
