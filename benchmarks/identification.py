@@ -1,9 +1,11 @@
-"""How well logs tell a drone's numbers: python benchmarks/identification.py [own rotorpy crazyflow betaflight]
+"""How well logs tell a drone's numbers: python benchmarks/identification.py [own rotorpy crazyflow betaflight example]
 
 Each world flies the suggested minute with a drone that is heavier than its pilot believes, of another drag and with dead time, with noise
 of the sensors; then every number is set beside the truth. `own` draws many drones around the five-inch, each number up to a third off, and
 counts intervals that hold the truth. Elsewhere the identified drone is asked for the same steps as the
 simulator's. The noise: 0.05 rad/s, 0.05 m/s, 0.01 rad in the built-in world, 0.03, 0.03 and 0.005 elsewhere.
+counts intervals that hold the truth. `example` flies what docs/identify.md shows and runs `hotlap identify` on it. The noise:
+0.05 rad/s, 0.05 m/s, 0.01 rad in the built-in world, 0.03, 0.03 and 0.005 elsewhere.
 """
 
 from __future__ import annotations
@@ -12,27 +14,34 @@ import argparse
 import os
 import time
 from importlib import import_module
+from pathlib import Path
 from typing import cast
 
 import numpy as np
 
 os.environ.setdefault("SCIPY_ARRAY_API", "1")  # crazyflow asks for it, before SciPy is loaded
 
+from hotlap.cli import main as main_of_hotlap
+from hotlap.core.records import Floats
 from hotlap.files.descriptions import load_quadrotor
+from hotlap.identification.draws import drawn
 from hotlap.identification.identify import Identification, identify
 from hotlap.identification.quadrotor_file import quadrotor_of
-from hotlap.identification.rehearsal import Noise, rehearse
+from hotlap.identification.rehearsal import SECONDS, Noise, rehearse
+from hotlap.logs.hotlap_csv import write_hotlap_csv
 from hotlap.race.quadrotor import Quadrotor
 from hotlap.worlds.plant_simulator import PlantSimulator
 from hotlap.worlds.simulator import Simulator, Start
 
-WORLDS = ("own", "rotorpy", "crazyflow", "betaflight")
+WORLDS = ("own", "rotorpy", "crazyflow", "betaflight", "example")
 HEAVIER, DRAG = 1.15, (0.4, 0.35, 0.2)
 DELAY = {"rotorpy": 0.02, "crazyflow": 0.02, "betaflight": 0.04}  # s
 NOISE = Noise(rates=0.05, acceleration=1.0, velocity=0.05, attitude=0.01, position=0.02)
 BASE = "five-inch"
 STEPS = {"thrust": 0.8, "roll": 2.0, "pitch": 2.0, "yaw": 1.0}  # share of the weight, rad/s
 SETTLING, STEP_SECONDS, SHARE = 0.6, 0.4, 0.63
+EXAMPLE = {"mass": 0.75, "motor_time": (0.03, 0.045), "rate_gain": (30.0, 28.0, 6.0), "drag": DRAG}
+EXAMPLE_DELAY = 0.0425  # s
 
 
 def truth_of(vehicle: Quadrotor, delay: float) -> dict[str, float]:
@@ -83,28 +92,12 @@ def show_steps(simulator: Simulator, identified: Simulator, weight: float) -> No
         print(f"  largest {most_there:.2f}, identified {most_here:.2f}")
 
 
-def drawn(seed: int, base: Quadrotor) -> tuple[Quadrotor, float]:
-    """A drone around the base, and its dead time [s]."""
-    random = np.random.default_rng(seed + 1000)
-
-    def off(most: float = 0.3) -> float:
-        return float(np.exp(random.uniform(-most, most)))
-
-    delay = 0.0025 * int(random.integers(0, 20))
-    change = {
-        "mass": base.mass * off(0.15),
-        "rate_gain": tuple(gain * off() for gain in base.rate_gain),
-        "motor_time": tuple(lag * off() for lag in base.motor_time),
-        "drag": tuple(drag * off() for drag in base.drag),
-    }
-    return base.model_copy(update=change), delay
-
-
 def own(draws: int) -> None:
     """Many drones in the built-in world."""
-    base, rows, spent = load_quadrotor(BASE), dict[str, list[tuple[float, bool]]](), list[float]()
+    base, rows, spent = load_quadrotor(BASE), dict[str, list[tuple[float, float, bool]]](), list[float]()
+    left = dict[str, list[tuple[float, float]]]()
     for seed in range(draws):
-        vehicle, delay = drawn(seed, base)
+        vehicle, delay = drawn(base, seed)
         log = rehearse(PlantSimulator(vehicle, base), base, seed=seed, delay=delay, noise=NOISE)
         begun = time.process_time()
         found = identify([log], base, thrust_known=True)
@@ -112,13 +105,35 @@ def own(draws: int) -> None:
         for one in found.estimates:
             true = truth_of(vehicle, delay).get(one.name)
             if true is not None:
-                off = one.value - true if one.name == "dead time" else one.value / true - 1
-                rows.setdefault(one.name, []).append((abs(off), one.low <= true <= one.high))
+                whole = 1.0 if one.name == "dead time" else true
+                sizes = abs(one.value - true) / whole, (one.high - one.low) / 2 / whole
+                rows.setdefault(one.name, []).append((*sizes, one.low <= true <= one.high))
+        for one in found.predictions:
+            left.setdefault(f"{one.channel} {one.axis} [{one.unit}]", []).append((one.error, one.former_error))
     print(f"{draws} drones, {np.median(spent):.1f} s of processor time a log in the median")
     for name, row in rows.items():
-        offs, held = np.array(row).T
-        off = f"off by {np.sqrt(np.mean(offs**2)):.4f} rms, {offs.max():.4f} at most"
+        offs, halves, held = np.array(row).T
+        off = f"off by {np.sqrt(np.mean(offs**2)):.4f} rms, {offs.max():.4f} at most, half an interval {np.mean(halves):.4f}"
         print(f"  {name:16} {off}; {int(held.sum())} of {draws} intervals hold it")
+    show_left({name: np.mean(np.array(pairs), axis=0) for name, pairs in left.items()})
+
+
+def show_left(left: dict[str, Floats]) -> None:
+    """Errors of what was predicted and not fitted, and those of the base."""
+    for name, (error, former) in left.items():
+        print(f"  {name:16} error where it was not fitted {error:.4f}, of the base {former:.4f}")
+
+
+def example(folder: Path) -> None:
+    """The flights of the documentation, the minute and half a minute of hover, and what `hotlap identify` says of them."""
+    base = load_quadrotor(BASE)
+    vehicle = base.model_copy(update=EXAMPLE)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, pushes, seconds in (("flight", True, SECONDS), ("hover", False, SECONDS / 2)):
+        path, picture = folder / f"{name}.csv", folder / f"{name}.png"
+        log = rehearse(PlantSimulator(vehicle, base), base, seed=1, delay=EXAMPLE_DELAY, pushes=pushes, seconds=seconds)
+        write_hotlap_csv(path, log)
+        main_of_hotlap(["identify", str(path), "--quadrotor", BASE, "--known", "thrust", "--picture", str(picture)])
 
 
 def flown(name: str) -> tuple[Simulator, Quadrotor, Quadrotor]:
@@ -140,10 +155,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("worlds", nargs="*", default=["own"], metavar="WORLD", help=", ".join(WORLDS))
     parser.add_argument("--draws", type=int, default=100, help="drones in the built-in world")
+    parser.add_argument("--out", type=Path, default=Path("build/identification"), help="folder of the example's flight and picture")
     options = parser.parse_args()
     for name in options.worlds:
         if name == "own":
             own(options.draws)
+            continue
+        if name == "example":
+            example(options.out)
             continue
         simulator, base, vehicle = flown(name)
         log = rehearse(simulator, base, seed=1, delay=DELAY[name])
@@ -151,6 +170,7 @@ def main() -> None:
         found = identify([log], base.model_copy(update={"delay": 0.0}), thrust_known=True)
         print(f"{name}: {time.process_time() - begun:.1f} s of processor time")
         show(found, truth_of(vehicle, DELAY[name]))
+        show_left({f"{one.channel} {one.axis} [{one.unit}]": np.array([one.error, one.former_error]) for one in found.predictions})
         mine = quadrotor_of(found, name)
         show_steps(simulator, cast("Simulator", PlantSimulator(mine, mine)), base.gravity)
         simulator.close()

@@ -35,7 +35,7 @@ from hotlap.system.journal import Journal
 HOTLAP = (sys.executable, "-m", "hotlap")
 PATIENCE = 20.0  # s within which all processes of a command that is dead have to be gone
 LONGEST = 600.0  # s of one command
-TIMES = {"tuner_time", "cpu_time"}  # keys of what is another at each run
+TIMES = {"tuner_time", "cpu_time", "checksum"}  # keys of what is another at each run, and the sum of a line that has them
 TIME_COLUMN = "ms/flight"  # of a table, likewise
 ROOM = 256 << 20  # bytes of a disk that is not full
 SHORT_RACE = """vehicle = "hummingbird"
@@ -318,7 +318,7 @@ def torment(place: Place, warm: Path, whole: Whole, fault: str, chance: random.R
     try:
         if fault != FULL:
             return _struck(place, whole, fault, chance)
-        with small_disk(place.out, chance.randrange(1 << 12, whole.size)):
+        with small_disk(place.out, chance.randrange(min(1 << 12, whole.size // 2), whole.size)):
             process = place.start()
             status = finish(process)
             complaint = "" if status in {0, 1} else f"exit status {status}"

@@ -11,20 +11,9 @@ from fake_world import make_scenario
 from hotlap.core.printable import printable
 from hotlap.files.descriptions import save_parameters
 from hotlap.files.parameters_file import SavedParameters
+from written_parameters import parameters, segment
 
-PARAMETERS = """race = "straight"
-names = ["Q_pos_xy", "Q_pos_z", "Q_attitude", "Q_velocity", "horizon"]
-[[segment]]
-class = "flat"
-start = 0.0
-end = 2.5
-Q_pos_xy = 100
-Q_pos_z = 300
-Q_attitude = 50
-Q_velocity = 5
-horizon = 4
-"""
-SECOND = PARAMETERS[PARAMETERS.index("[[segment]]") :].replace("0.0", "2.5").replace("end = 2.5", "end = 5.0")
+PARAMETERS, SECOND = parameters(segment("flat", "0.0", "2.5")), segment("flat", "2.5", "5.0")
 
 FILES = {
     "broken.toml": "name = [",

@@ -19,7 +19,7 @@ from hotlap.cli.arguments import COMMANDS
 from hotlap.system.disk_cache import folder
 from hotlap.worlds.betaflight import built
 from hotlap.worlds.simulator import SimulatorError
-from system.dask_cluster import DaskCluster, wait_until
+from system.dask_cluster import running, wait_until
 
 pytest.importorskip("distributed", reason="needs the extra cluster")
 
@@ -62,10 +62,7 @@ def _firmware():
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    with DaskCluster(tmp_path_factory.mktemp("dask")) as started:
-        for _ in range(2):
-            started.add_worker(nanny=True)
-        started.wait_for(2)
+    with running(tmp_path_factory.mktemp("dask"), 2, nanny=True) as started:
         yield started
 
 
@@ -160,9 +157,7 @@ def test_a_worker_with_another_hotlap_is_refused(hotlap, tmp_path_factory, file,
     shutil.copytree(Path(package.__file__).parent, place / "hotlap", ignore=shutil.ignore_patterns("__pycache__"))
     changed = place / "hotlap" / file
     changed.write_text(f"{changed.read_text(encoding='utf-8')}\n{line}\n", encoding="utf-8")
-    with DaskCluster(place) as own:
-        own.add_worker(environment={"PYTHONPATH": str(place)})
-        own.wait_for(1)
+    with running(place, 1, environment={"PYTHONPATH": str(place)}) as own:
         ran = hotlap("landscape", "circle-34", "--points", "2", "--cluster", own.address)
     assert ran.code == 2
     assert said in ran.err

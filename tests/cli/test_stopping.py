@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import signal
 import threading
 
@@ -81,3 +82,28 @@ def test_in_a_thread_signals_are_left_alone():
     thread.start()
     thread.join()
     assert ended
+
+
+def wait_after(callback) -> None:
+    callback()
+    threading.Event().wait(10)
+    raise AssertionError("the signal was lost")
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_in_a_callback_that_cannot_raise_stops_nevertheless(number, capfd):
+    """As when a compiler asks for code that it has compiled before."""
+    callback = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(number))
+    with pytest.raises(Stopped) as stop, stopped_by_signals():
+        wait_after(callback)
+    assert stop.value.signal == number
+    assert stop.value.__cause__ is None
+    assert capfd.readouterr().err == ""
+
+
+def test_what_else_a_callback_raises_is_told_as_ever(monkeypatch):
+    told = []
+    monkeypatch.setattr("sys.unraisablehook", told.append)
+    with stopped_by_signals():
+        ctypes.CFUNCTYPE(None)(lambda: 1 / 0)()
+    assert [type(one.exc_value) for one in told] == [ZeroDivisionError]

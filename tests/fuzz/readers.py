@@ -27,33 +27,12 @@ from hotlap.first_guess.training_set import load_training_set
 from hotlap.importers import read as read_import
 from hotlap.reference_files.csv import read_reference, save_reference
 from hotlap.worlds.betaflight.settings import read_lines
+from written_parameters import parameters, segment
 
 Read = Callable[[], Any]
 DATA = Path(str(package_files("hotlap"))) / "data"
 SAMPLES = Path(__file__).parents[1] / "importers" / "samples"
-PARAMETERS = """race = "straight"
-names = ["Q_pos_xy", "Q_pos_z", "Q_attitude", "Q_velocity", "horizon"]
-[provenance]
-seed = 1
-[[segment]]
-class = "flat"
-start = 0.0
-end = 2.5
-Q_pos_xy = 100
-Q_pos_z = 300
-Q_attitude = 50
-Q_velocity = 5
-horizon = 4
-[[segment]]
-class = "ascent"
-start = [2.5, 3.0]
-end = [3.0, 5.0]
-Q_pos_xy = 100
-Q_pos_z = 300
-Q_attitude = 50
-Q_velocity = 5
-horizon = 4
-"""
+PARAMETERS = parameters(segment("flat", "0.0", "2.5"), segment("ascent", "[2.5, 3.0]", "[3.0, 5.0]"), more="[provenance]\nseed = 1\n")
 DIFF = b"""# diff all
 defaults nosave
 set motor_idle = 550

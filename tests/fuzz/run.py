@@ -11,12 +11,13 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from fuzz.logs import LOGS
 from fuzz.readers import READERS
 from fuzz.records import RECORDS
 from fuzz.trial import Figures, attempt
 from fuzz.wires import WIRES
 
-ALL = {**READERS, **RECORDS, **WIRES}
+ALL = {**READERS, **LOGS, **RECORDS, **WIRES}
 
 
 def measure(name: str, inputs: int, first: int) -> Figures:

@@ -6,6 +6,7 @@ import os
 import resource
 import signal
 import sys
+import tempfile
 import time
 import traceback
 import warnings
@@ -21,6 +22,7 @@ from hotlap.core.errors import HotlapError
 MOST_SECONDS, MOST_MEGABYTES = 5.0, 500.0
 PATIENCE = 60.0  # s of waiting, on a machine that does other things, too
 WRITES = 0o3  # of the flags of an opening: to write, or both
+PROGRAMS = ("bb2csv",)  # that a reader may run
 
 
 class HangError(BaseException):
@@ -59,7 +61,21 @@ def attempt(name: str, give: Callable[[Random], Callable[[], Any]], inputs: int,
         first: number of the first.
     """
     figures, before = Figures(name), _memory()
-    for number in range(first, first + inputs):
+    former, tempfile.tempdir = tempfile.tempdir, str(folder.resolve())  # where files without a name are
+    try:
+        _give(figures, give, range(first, first + inputs), folder)
+    finally:
+        tempfile.tempdir = former
+    figures.memory = _memory()
+    if figures.memory - before > MOST_MEGABYTES:
+        figures.faults.append(f"{name}: takes {figures.memory - before:.0f} MB")
+    return figures
+
+
+def _give(figures: Figures, give: Callable[[Random], Callable[[], Any]], numbers: range, folder: Path) -> None:
+    """Give the inputs of some numbers."""
+    name = figures.name
+    for number in numbers:
         read = give(Random(f"{name} {number}"))
         begin = time.process_time()
         try:
@@ -73,15 +89,13 @@ def attempt(name: str, give: Callable[[Random], Callable[[], Any]], inputs: int,
                 figures.faults.append(f"{name} {number}: not one line: {str(error)!r}")
         except (Exception, HangError):  # noqa: BLE001  all of them are what is looked for
             figures.faults.append(f"{name} {number}: {traceback.format_exc()}")
+        figures.faults += [f"{name} {number}: {said}" for said in _misdeeds]
+        _misdeeds.clear()
         figures.inputs += 1
         spent = time.process_time() - begin
         if spent > MOST_SECONDS:
             figures.faults.append(f"{name} {number}: takes {spent:.1f} s")
         figures.longest = max(figures.longest, spent)
-    figures.memory = _memory()
-    if figures.memory - before > MOST_MEGABYTES:
-        figures.faults.append(f"{name}: takes {figures.memory - before:.0f} MB")
-    return figures
 
 
 def _memory() -> float:
@@ -106,18 +120,25 @@ def _in_time() -> Iterator[None]:
 
 
 _allowed: list[str] = []
+_misdeeds: list[str] = []
 
 
 def _guard(event: str, arguments: tuple[Any, ...]) -> None:
-    """Fails where a file outside of the allowed folder is written, or a program is run."""
+    """Fails where a file outside of the allowed folder is written, or a program is run; a reader may catch that, so it is kept, too."""
     if not _allowed:
         return
+    said = ""
+    if event == "subprocess.Popen" and any(str(word).endswith(PROGRAMS) for word in arguments[1]):
+        return
     if event in {"os.system", "subprocess.Popen", "os.exec", "os.posix_spawn", "socket.connect"}:
-        raise AssertionError(f"runs or reaches something: {event} {arguments!r}")
-    if event == "open" and isinstance(arguments[0], str) and isinstance(arguments[2], int) and arguments[2] & WRITES:
+        said = f"runs or reaches something: {event} {arguments!r}"
+    elif event == "open" and isinstance(arguments[0], str) and isinstance(arguments[2], int) and arguments[2] & WRITES:
         path = os.path.realpath(arguments[0])
         if not path.startswith(_allowed[0]) and not path.startswith("/dev/"):
-            raise AssertionError(f"writes outside of its folder: {path}")
+            said = f"writes outside of its folder: {path}"
+    if said:
+        _misdeeds.append(said)
+        raise AssertionError(said)
 
 
 _hooked: list[bool] = []

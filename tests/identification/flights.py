@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from hotlap.files.descriptions import load_quadrotor
+from hotlap.identification import draws
 from hotlap.identification.identify import Identification
 from hotlap.identification.rehearsal import Noise, rehearse
 from hotlap.logs.flight_log import FlightLog
@@ -41,19 +40,8 @@ class Truth:
 
 
 def drawn(seed: int) -> Truth:
-    """A vehicle around the base: every number up to a third off, up to 47.5 ms of dead time."""
-    random = np.random.default_rng(seed)
-
-    def off(most: float = 0.3) -> float:
-        return float(np.exp(random.uniform(-most, most)))
-
-    change = {
-        "mass": BASE.mass * off(0.15),
-        "rate_gain": tuple(gain * off() for gain in BASE.rate_gain),
-        "motor_time": tuple(time * off() for time in BASE.motor_time),
-        "drag": tuple(drag * off() for drag in BASE.drag),
-    }
-    return Truth(BASE.model_copy(update=change), 0.0025 * int(random.integers(4, 20)))
+    """A vehicle around the base."""
+    return Truth(*draws.drawn(BASE, seed))
 
 
 def errors(found: Identification, truth: Truth) -> dict[str, float]:

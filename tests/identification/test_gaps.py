@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hotlap.core.errors import InputError
 from hotlap.identification.evidence import SETTLING, lay_out, stretches
 from hotlap.identification.identify import identify
 from hotlap.logs.flight_log import Signal
@@ -71,12 +72,31 @@ def test_what_ends_early_does_not_count_from_there_on(forced):
     assert whole(evidence.rates, evidence.counts["rates"])
 
 
+def emptied(log, name, begin, end):
+    signal = log.signals[name]
+    kept = (signal.times < begin) | (signal.times > end)
+    return replace(log, signals={**log.signals, name: Signal(signal.times[kept], signal.values[kept])})
+
+
+def test_what_hardly_counts_is_left_out(flown):
+    evidence = lay_out(emptied(flown, "velocity", 2.0, 11.0))
+    assert evidence.output is None
+    assert evidence.notes[-1].startswith("rehearsal: velocity: ")
+    assert "s without gaps are too few: it was left out" in evidence.notes[-1]
+
+
+def test_commands_that_are_hardly_there_are_told_in_one_line(flown):
+    with pytest.raises(InputError, match=r"rehearsal: \d\.\d s with commands and rates, without gaps; at least 4 s are needed"):
+        lay_out(emptied(flown, "rate_command", 2.0, 11.0))
+
+
 def test_stretches_begin_behind_gaps():
     counts = np.array([False, True, True, False, False, True, False, True])
     assert stretches(counts).tolist() == [0, 0, 0, 0, 0, 1, 1, 2]
     assert stretches(counts[1:]).tolist() == [0, 0, 0, 0, 1, 1, 2]
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("name", ["attitude", "thrust_command"])
 def test_a_hole_does_not_bend_a_fit(truth, flown, name):
     found = identify([holed(flown, name)], BASE, thrust_known=True)

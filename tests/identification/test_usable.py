@@ -90,6 +90,7 @@ def test_a_force_that_is_sampled_once_is_none(forced):
     assert "drag" in {one.name for one in identify([log], BASE).untold}
 
 
+@pytest.mark.check
 def test_the_error_of_the_base_is_that_of_the_base_alone(flown):
     """A battery that does not sag changes nothing of it, whatever the fit finds of the throttle."""
     log = replace(flown, facts={})

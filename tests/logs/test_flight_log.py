@@ -20,6 +20,14 @@ def test_a_signal_is_linear_between_samples_and_unknown_beyond(signal):
     np.testing.assert_allclose(found[1:-1], [[1.0, -3.0], [1.5, -4.5], [3.0, -9.0], [4.0, -12.0]])
 
 
+def test_a_step_is_the_usual_one_and_a_gap_is_longer():
+    times = np.concatenate([np.arange(0.0, 1.0, 0.01), np.arange(2.0, 3.0, 0.01)])
+    signal = Signal(times, np.zeros((200, 1)))
+    assert signal.step == pytest.approx(0.01)
+    np.testing.assert_allclose(signal.gaps(), [[0.99, 2.0]])
+    assert Signal(times[:1], np.zeros((1, 1))).gaps().shape == (0, 2)
+
+
 def test_a_rate_is_of_the_whole_signal(signal):
     assert signal.rate == pytest.approx(2 / 3)
     assert Signal(np.array([1.0]), np.ones((1, 3))).rate == 0.0

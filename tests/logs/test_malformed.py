@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import tracemalloc
 
 import numpy as np
 import pytest
 
 from hotlap.core.errors import InputError
-from hotlap.logs.readers import MOST_BYTES, need, read
+from hotlap.logs.blackbox import FIRST
+from hotlap.logs.hotlap_csv import NEEDED
+from hotlap.logs.readers import MOST_BYTES, MOST_OF_TEXT, need, read
 from logs.ros_written import write_bag1, write_bag2, write_mcap
 from logs.written import make_flight, write_blackbox, write_csv, write_dataflash, write_ulog
 
@@ -53,7 +56,7 @@ MALFORMED = {
     "wrong version": (lambda d: write_ulog(d / "a.ulg", FLIGHT, version=9), "ULog of version 9; hotlap reads versions 0 and 1"),
     "one axis missing": (lambda d: write_ulog(d / "a.ulg", FLIGHT, leave_out=("pitch",)), "vehicle_rates_setpoint: has no pitch"),
     "wrong units": (lambda d: write_ulog(d / "a.ulg", FLIGHT, scale=57.3), r"rates: is up to 63.2 rad/s: is it in deg/s\?"),
-    "blackbox, cut": (lambda d: _cut(write_blackbox(d / "a.bbl", FLIGHT), 0, 900), "with 5 frames: it is cut short"),
+    "blackbox, cut": (lambda d: _cut(write_blackbox(d / "a.bbl", FLIGHT), 0, 900), r"with \d frames: it is cut short"),
     "blackbox, cut in its head": (lambda d: _cut(write_blackbox(d / "a.bbl", FLIGHT), 0, 100), "a blackbox of Betaflight"),
     "blackbox, one axis": (lambda d: write_blackbox(d / "a.bbl", FLIGHT, leave_out=("gyroADC[2]",)), r"has no gyroADC\[2\]"),
     "dataflash, cut": (lambda d: _cut(write_dataflash(d / "a.bin", FLIGHT), 0, 60), "a dataflash log of ArduPilot"),
@@ -100,6 +103,29 @@ def test_a_malformed_log_is_one_line(case, tmp_path, capfd):
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "head"), [("a.csv", b"t,px,py,pz\n"), ("b.csv", ",".join(NEEDED).encode() + b"\n"), ("c.log", b"FMT, 1"), ("d.bbl", FIRST)]
+)
+def test_text_is_refused_earlier(tmp_path, name, head):
+    with (tmp_path / name).open("wb") as file:
+        file.write(head)
+        file.truncate(MOST_OF_TEXT + 1)
+    with pytest.raises(InputError, match="is larger than 200 MB: cut out the flight"):
+        read(tmp_path / name)
+
+
+def test_a_table_takes_little_more_memory_than_its_numbers(tmp_path):
+    rows = "".join(f"{k / 100!r},{k % 7 / 7!r},{k % 11 / 11!r},{k % 13 / 13!r},{'x' * 40}\n" for k in range(20_000))
+    for heads in ("t,px,py,pz,remark\n", f"{','.join(NEEDED)}\n"):
+        text = rows if "px" in heads else rows.replace("x" * 40, "1,2,3")
+        (tmp_path / "a.csv").write_text(heads + text)
+        tracemalloc.start()
+        read(tmp_path / "a.csv")
+        most = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert most < 4 * len(text)
 
 
 def test_a_log_without_imu_says_what_it_has(tmp_path):

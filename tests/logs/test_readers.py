@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -123,6 +124,36 @@ def test_a_topic_is_chosen_by_the_map(tmp_path):
     assert any("rates: /odom" in note for note in read(path, {"rates": "/odom"}).notes)
     with pytest.raises(InputError, match=r"no topic with rates named '/imuu' \(did you mean /imu\?\)"):
         read(path, {"rates": "/imuu"})
+
+
+def test_motors_that_never_turn_are_no_signal(tmp_path):
+    log = read(write_ulog(tmp_path / "a.ulg", replace(FLIGHT, motors=0 * FLIGHT.motors)))
+    assert set(log.signals) == set(ALL) - {"motor_command"}
+
+
+def test_numbers_that_are_no_measurement_are_left_out(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("t,ax,ay,az\n0,0,0,9.81\n0.1,0,1e200,9.81\n1e300,0,0,9.81\n0.3,0,0,9.81\n")
+    log = read(path)
+    assert log.signals["acceleration"].times.tolist() == [0.0, 0.3]
+    assert any("2 of 4 samples are not finite" in note for note in log.notes)
+
+
+def test_a_damaged_dataflash_log_writes_nothing(tmp_path, capfd):
+    path = write_dataflash(tmp_path / "a.bin", FLIGHT)
+    content = bytearray(path.read_bytes())
+    content[6000:6200] = bytes(range(200))
+    path.write_bytes(content)
+    assert read(path).signals
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("name", ["flight.ulg", "flight.bbl", "flight.bin"])
+def test_a_map_that_is_not_used_is_told(tmp_path, name):
+    path = WRITTEN[name][0](tmp_path / name, FLIGHT)
+    said = [note for note in read(path, {"time": "t", "rates": "a b c"}).notes if note.startswith("the map was not used: a")]
+    assert len(said) == 1
+    assert not any("map" in note for note in read(path).notes)
 
 
 @pytest.mark.parametrize(("name", "package"), [("a.ulg", "pyulog"), ("a.bin", "pymavlink"), ("a.mcap", "mcap")])

@@ -107,6 +107,7 @@ def write_blackbox(path: Path, flight: Flown, *, finer: bool = False, leave_out:
         columns[f"setpoint[{i}]"] = flight.rate_command[:, i] * degrees
         columns[f"accSmooth[{i}]"] = flight.acceleration[:, i] / 9.80665 * 2048
     columns["setpoint[3]"] = flight.thrust * 1000
+    columns["rcCommand[3]"] = (1000 + flight.thrust * 1000) * (10 if finer else 1)
     for i in range(4):
         columns[f"motor[{i}]"] = 158 + flight.motors[:, i] * (2047 - 158)
     columns["vbatLatest"] = flight.volts * 100

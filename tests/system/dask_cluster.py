@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import pytest
 
@@ -104,3 +104,19 @@ def wait_until(true, seconds: float = 60.0) -> None:
     while not true():
         assert time.monotonic() < until, "waited in vain"
         time.sleep(0.05)
+
+
+@contextmanager
+def running(folder: Path, workers: int, **settings: Any) -> Iterator[DaskCluster]:
+    """A cluster whose workers have joined.
+
+    Args:
+        folder: of its files.
+        workers: how many.
+        settings: of each, as of `add_worker`.
+    """
+    with DaskCluster(folder) as started:
+        for _ in range(workers):
+            started.add_worker(**settings)
+        started.wait_for(workers)
+        yield started

@@ -17,7 +17,7 @@ from hotlap.system import cluster_worker, engine
 from hotlap.system.cluster_worker import do, fingerprint, installation, pack, unpack
 from hotlap.system.engine import check_jobs, is_one_of_many, opened
 from hotlap.system.process_pool import Processes
-from system.dask_cluster import DaskCluster, wait_until
+from system.dask_cluster import DaskCluster, running, wait_until
 
 distributed = pytest.importorskip("distributed", reason="needs the extra cluster")
 
@@ -55,10 +55,7 @@ def one_of_many(_: int):
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    with DaskCluster(tmp_path_factory.mktemp("dask")) as started:
-        for _ in range(2):
-            started.add_worker()
-        started.wait_for(2)
+    with running(tmp_path_factory.mktemp("dask"), 2) as started:
         yield started
 
 
@@ -100,25 +97,19 @@ def test_the_file_of_a_scheduler_is_as_good_as_its_address(cluster):
 
 
 def test_what_a_killed_worker_had_begun_is_done_by_one_that_joins(tmp_path):
-    with DaskCluster(tmp_path) as own:
+    with running(tmp_path, 1) as own, opened(own.address) as engine:
+        results = engine.spread(wait_for, [str(own.file), str(tmp_path / "killed")])
+        assert next(results) == (str(own.file), own.workers[0].pid)
+        own.workers[0].kill()
+        own.workers[0].wait()
         own.add_worker()
-        own.wait_for(1)
-        with opened(own.address) as engine:
-            results = engine.spread(wait_for, [str(own.file), str(tmp_path / "killed")])
-            assert next(results) == (str(own.file), own.workers[0].pid)
-            own.workers[0].kill()
-            own.workers[0].wait()
-            own.add_worker()
-            (tmp_path / "killed").touch()
-            assert list(results) == [(str(tmp_path / "killed"), own.workers[1].pid)]
+        (tmp_path / "killed").touch()
+        assert list(results) == [(str(tmp_path / "killed"), own.workers[1].pid)]
 
 
 @pytest.mark.check
 def test_what_a_killed_worker_had_begun_is_done_by_another(tmp_path):
-    with DaskCluster(tmp_path) as own:
-        for _ in range(2):
-            own.add_worker()
-        own.wait_for(2)
+    with running(tmp_path, 2) as own:
         begun, notes = tmp_path / "begun", []
         begun.mkdir()
         pieces = [(str(begun), 0.2)] * 20
@@ -137,19 +128,13 @@ def test_what_a_killed_worker_had_begun_is_done_by_another(tmp_path):
 
 @pytest.mark.check
 def test_a_piece_that_kills_whoever_does_it_is_told_in_one_line(tmp_path):
-    with DaskCluster(tmp_path) as own:
-        for _ in range(5):
-            own.add_worker()
-        own.wait_for(5)
-        with opened(own.address) as engine, pytest.raises(HotlapError, match="ended every worker that began it"):
-            list(engine.spread(die, [1]))
+    with running(tmp_path, 5) as own, opened(own.address) as engine, pytest.raises(HotlapError, match="ended every worker that began it"):
+        list(engine.spread(die, [1]))
 
 
 @pytest.mark.check
 def test_without_any_worker_left_it_waits_for_one_that_joins_and_else_gives_up(tmp_path):
-    with DaskCluster(tmp_path) as own:
-        own.add_worker()
-        own.wait_for(1)
+    with running(tmp_path, 1) as own:
         notes, found = [], []
         with opened(own.address, note=notes.append) as engine:
             for piece, _ in engine.spread(say_where, [(str(tmp_path), 0.1)] * 6):
@@ -166,13 +151,10 @@ def test_without_any_worker_left_it_waits_for_one_that_joins_and_else_gives_up(t
 
 @pytest.mark.check
 def test_a_scheduler_that_goes_is_told_in_one_line(tmp_path):
-    with DaskCluster(tmp_path) as own:
-        own.add_worker()
-        own.wait_for(1)
-        with opened(own.address) as engine:
-            own._scheduler.kill()
-            with pytest.raises(HotlapError, match=r"has (gone|failed)"):
-                list(engine.spread(say_where, [(str(tmp_path), 0.1)] * 3))
+    with running(tmp_path, 1) as own, opened(own.address) as engine:
+        own._scheduler.kill()
+        with pytest.raises(HotlapError, match=r"has (gone|failed)"):
+            list(engine.spread(say_where, [(str(tmp_path), 0.1)] * 3))
 
 
 @pytest.mark.check
@@ -192,9 +174,7 @@ def test_a_module_of_the_folder_that_workers_were_started_in_is_found_and_after_
     monkeypatch.chdir(tmp_path)
     module = tmp_path / "module_of_a_cluster.py"
     module.write_text("VALUE = 3\n")
-    with DaskCluster(tmp_path) as own:
-        own.add_worker(environment={"PYTHONSAFEPATH": "1"})  # as the command dask does
-        own.wait_for(1)
+    with running(tmp_path, 1, environment={"PYTHONSAFEPATH": "1"}) as own:  # as the command dask does
         with opened(own.address) as engine:
             engine.require("module_of_a_cluster")
             assert list(engine.spread(say_value, ["module_of_a_cluster"])) == [("module_of_a_cluster", 3)]
@@ -225,14 +205,11 @@ def test_a_worker_with_several_threads_that_joins_late_does_nothing():
 
 @pytest.mark.check
 def test_a_worker_with_several_threads_that_joins_later_is_refused_too(tmp_path):
-    with DaskCluster(tmp_path) as own:
-        own.add_worker()
-        own.wait_for(1)
-        with opened(own.address) as engine:
-            own.add_worker(threads=2)
-            own.wait_for(2)
-            with pytest.raises(InputError, match=r"has 2 threads, and should have one"):
-                list(engine.spread(say_where, [(str(tmp_path), 0.1)] * 30))
+    with running(tmp_path, 1) as own, opened(own.address) as engine:
+        own.add_worker(threads=2)
+        own.wait_for(2)
+        with pytest.raises(InputError, match=r"has 2 threads, and should have one"):
+            list(engine.spread(say_where, [(str(tmp_path), 0.1)] * 30))
 
 
 def test_a_cluster_that_is_not_there_is_told_in_one_line(tmp_path, monkeypatch):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +12,7 @@ from typing import Any, NoReturn
 
 HANGUP = getattr(signal, "SIGHUP", None)  # Windows has none
 SIGNALS = (signal.SIGINT, signal.SIGTERM, *([] if HANGUP is None else [HANGUP]))
+AGAIN = 0.02  # s after which a signal that was dropped comes again
 
 
 class Stopped(KeyboardInterrupt):
@@ -32,7 +34,10 @@ class Stopped(KeyboardInterrupt):
 
 @contextmanager
 def stopped_by_signals() -> Iterator[None]:
-    """Raise `Stopped` where a signal arrives, also where a library made another error of it."""
+    """Raise `Stopped` where a signal arrives, also where a library made another error of it.
+
+    A callback that a compiler calls, or the end of an object, cannot raise: Python drops what is raised there. Then the signal comes again.
+    """
     received: list[int] = []
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -44,6 +49,17 @@ def stopped_by_signals() -> Iterator[None]:
         _restore(dict.fromkeys(before, signal.SIG_DFL))
         raise Stopped(number)
 
+    def dropped(told: sys.UnraisableHookArgs) -> None:
+        """Python has dropped an exception."""
+        if not isinstance(told.exc_value, Stopped):
+            hook(told)
+            return
+        _restore(dict.fromkeys(before, stop))
+        again = threading.Timer(AGAIN, signal.pthread_kill, (threading.main_thread().ident, told.exc_value.signal))
+        again.daemon = True
+        again.start()
+
+    hook, sys.unraisablehook = sys.unraisablehook, dropped
     before = {number: signal.signal(number, stop) for number in SIGNALS if not _outlives(number)}
     try:
         yield
@@ -55,6 +71,7 @@ def stopped_by_signals() -> Iterator[None]:
             stopped.add_note(remark)
         raise stopped from error
     finally:
+        sys.unraisablehook = hook
         _restore(before)
 
 

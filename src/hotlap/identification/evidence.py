@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,7 @@ from hotlap.identification.held import Held
 from hotlap.identification.usable import SHORTEST, usable
 from hotlap.logs.flight_log import GAP, FlightLog, Signal
 from hotlap.race.race import PLANT_STEP
+from hotlap.reference.attitude import continuous, rotation_matrices
 
 Mask = NDArray[np.bool_]
 
@@ -27,6 +28,7 @@ MADE_OF = {  # signals without which an output is not known, or not predicted
     "velocity": ("velocity", *COMMANDS, "battery", "attitude"),
 }
 SLOW = 2.0  # s without a sample of a battery, which changes slowly, that are a gap
+LEAST = 4.0  # s that count: as many as one of which every second is held out
 SETTLING = 0.5  # s after a gap, and after the start, that do not count
 
 
@@ -93,13 +95,13 @@ def lay_out(log: FlightLog) -> Evidence:
     """
     signals, left_out = usable(log)
     needed = [signals[name] for name in ("rates", "rate_command", "thrust_command") if name in signals]
-    start, end = max(one.times[0] for one in needed), min(one.times[-1] for one in needed)
+    start, end = max(float(one.times[0]) for one in needed), min(float(one.times[-1]) for one in needed)
     standing = ground(signals, start, end)
     start, end, within = _airborne(start, end, standing)
     if end - start - np.diff(within, axis=1).sum() < SHORTEST:
         apart = f", and {np.diff(standing, axis=1).sum():.1f} s on the ground" if len(standing) else ""
         raise InputError(log.name, "", f"{max(end - start, 0.0):.1f} s with commands and rates{apart}; at least {SHORTEST:g} s are needed")
-    grid = start + PLANT_STEP * np.arange(round((end - start) / PLANT_STEP) + 1)
+    grid = start + PLANT_STEP * np.arange(round((end - start) / PLANT_STEP) + 1, dtype=np.float64)
     rotations, air = _motion(signals, grid)
     rates, command = _within(signals["rates"], grid), _held(signals["rate_command"])
     force = velocity = None
@@ -108,16 +110,43 @@ def lay_out(log: FlightLog) -> Evidence:
             force = _within(signals["acceleration"], grid)
         elif rotations is not None and "velocity" in signals:
             velocity = _within(signals["velocity"], grid)
-    outputs = {"rates": rates, "force": force, "velocity": velocity}
     always = np.concatenate([[[start, start]], within])
-    counts = dict[str, Mask]()
-    for name, one in outputs.items():
-        if one is not None:
-            made_of = [signals[made] for made in MADE_OF[name] if made in signals]
-            missing = [_gaps(part, SLOW if part is signals.get("battery") else GAP, start, end) for part in made_of]
-            counts[name] = _counting(one, np.concatenate([always, *missing]))
-    notes = (*left_out, *_on_the_ground(log.name, standing))
+    counts, few = _counts(log.name, signals, {"rates": rates, "force": force, "velocity": velocity}, always, (start, end))
+    force, velocity = force if "force" in counts else None, velocity if "velocity" in counts else None
+    notes = (*left_out, *_on_the_ground(log.name, standing), *few)
     return Evidence(log.name, grid, command, _thrust(signals), rates, force, velocity, rotations, air, counts, within, notes)
+
+
+def _counts(
+    label: str, signals: Mapping[str, Signal], outputs: Mapping[str, Signal | None], always: Floats, span: tuple[float, float]
+) -> tuple[dict[str, Mask], list[str]]:
+    """Which samples of each output count, and notes of outputs of which too few do: these have none.
+
+    Args:
+        label: of the log.
+        signals: of it.
+        outputs: by name of `MADE_OF`.
+        always: shape (G, 2) [s] gaps of all of them.
+        span: [s] of the flight.
+
+    Raises:
+        InputError: too few samples of the rates count.
+    """
+    counts, notes = dict[str, Mask](), list[str]()
+    for name, one in outputs.items():
+        if one is None:
+            continue
+        made_of = [signals[made] for made in MADE_OF[name] if made in signals]
+        missing = [_gaps(part, SLOW if part is signals.get("battery") else GAP, *span) for part in made_of]
+        counted = _counting(one, np.concatenate([always, *missing]))
+        seconds = float(counted.sum()) * one.step if counted.any() else 0.0
+        if seconds >= LEAST:
+            counts[name] = counted
+        elif name == "rates":
+            raise InputError(label, "", f"{seconds:.1f} s with commands and rates, without gaps; at least {LEAST:g} s are needed")
+        else:
+            notes.append(f"{label}: {name}: {seconds:.1f} s without gaps are too few: it was left out")
+    return counts, notes
 
 
 def _airborne(start: float, end: float, standing: Floats) -> tuple[float, float, Floats]:
@@ -169,16 +198,8 @@ def _motion(signals: Any, grid: Floats) -> tuple[Floats | None, Floats | None]:
     if "attitude" not in signals:
         return None, None
     attitude = signals["attitude"]
-    turned = np.cumprod(np.where(np.concatenate([[1.0], (attitude.values[1:] * attitude.values[:-1]).sum(axis=1)]) < 0, -1.0, 1.0))
-    q = Signal(attitude.times, attitude.values * turned[:, None]).at(np.clip(grid, attitude.times[0], attitude.times[-1]))
-    w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
-    rotations = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    ).transpose(2, 0, 1)
+    q = Signal(attitude.times, continuous(attitude.values)).at(np.clip(grid, attitude.times[0], attitude.times[-1]))
+    rotations = rotation_matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
     if "velocity" not in signals:
         return rotations, None
     velocity = signals["velocity"]

@@ -41,7 +41,7 @@ def ground(signals: Mapping[str, Signal], start: float, end: float) -> Floats:
     throttle = _throttle(signals)
     if throttle is None or end - start < LEAST:
         return np.empty((0, 2))
-    edges = start + BIN * np.arange(int((end - start) / BIN) + 1)
+    edges = start + BIN * np.arange(int((end - start) / BIN) + 1, dtype=np.float64)
     share = throttle.means(edges)[:, 0]
     turning = np.sqrt(_smooth((Held(signals["rates"].times, signals["rates"].values).means(edges) ** 2).sum(axis=1)))
     push = _push(signals, edges)

@@ -105,6 +105,8 @@ def predictions(models: Sequence[Model], numbers: Numbers, believed: Numbers) ->
         by_fit, by_base = model.predicted(numbers), model.predicted(believed)
         for name, signal in signals_of(model).items():
             out = held_out(signal.times, begin) & model.evidence.counts[name]
+            if not out.any():
+                continue
             piece, measured = pieces(signal.times, begin)[out], signal.values[out]
             rows = [one[name][out] for one in (by_fit, by_base)]
             if name == "velocity":  # and where it is after a gap

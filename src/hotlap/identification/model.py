@@ -167,7 +167,7 @@ class Model:
             left["force"] = self.evidence.force.values - predicted["force"]
         elif "velocity" in predicted and self.evidence.velocity is not None:
             error, which = self.evidence.velocity.values - predicted["velocity"], stretches(self.evidence.counts["velocity"])
-            kept = WASHOUT / (WASHOUT + 1 / self.evidence.velocity.rate)
+            kept = WASHOUT / (WASHOUT + self.evidence.velocity.step)
             left["velocity"] = np.vstack([_forgetting(error[which == one], kept) for one in range(which[-1] + 1)])
         return left
 

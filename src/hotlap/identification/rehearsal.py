@@ -13,6 +13,7 @@ from hotlap.identification.manoeuvre import SECONDS, STRAIGHTS, one_minute
 from hotlap.logs.flight_log import FlightLog, Signal
 from hotlap.logs.hotlap_csv import FULL_THRUST
 from hotlap.race.quadrotor import Quadrotor
+from hotlap.reference.attitude import rotation_matrices
 from hotlap.worlds.simulator import Simulator, Start
 
 HEIGHT = 30.0  # m
@@ -96,7 +97,7 @@ def rehearse(
             simulator.advance(np.tile(waiting.popleft(), (simulator.lanes, 1)), simulator.step)
         after = simulator.states()[0]
         world = (after[7:10] - before[7:10]) / simulator.step + [0.0, 0.0, quadrotor.gravity]
-        force = (_matrix(after[3:7]) + _matrix(before[3:7])).T / 2 @ world
+        force = (rotation_matrices(after[3:7]) + rotation_matrices(before[3:7])).T / 2 @ world
     times, full = period * np.arange(count, dtype=np.float64), quadrotor.max_acceleration
     rows = {"position": measured[:, :3], "attitude": measured[:, 3:7], "velocity": measured[:, 7:10], "rates": measured[:, 10:]}
     rows |= {"rate_command": commands[:, 1:], "thrust_command": commands[:, :1] / full}
@@ -133,7 +134,7 @@ def _command(time: float, state: Floats, quadrotor: Quadrotor, *, pushes: bool) 
     wanted[:2] *= min(1.0, STEEPEST * gravity / max(float(np.hypot(*wanted[:2])), 1e-9))
     push = wanted + np.array([0.0, 0.0, gravity])
     push[2] = max(push[2], SLOWEST * gravity)
-    rotation = _matrix(state[3:7])
+    rotation = rotation_matrices(state[3:7])
     thrust = max(float(push @ rotation[:, 2]), SLOWEST * gravity)
     across = np.cross(rotation[:, 2], push / np.linalg.norm(push))
     rates = ATTITUDE_GAIN * (rotation.T @ across)
@@ -145,15 +146,3 @@ def _command(time: float, state: Floats, quadrotor: Quadrotor, *, pushes: bool) 
             command[one.axis] = gravity * (1 + one.size) if one.axis == 0 else one.size
     command[0] = min(command[0], 0.95 * quadrotor.max_acceleration)
     return command
-
-
-def _matrix(q: Floats) -> Floats:
-    """Rotation from body to world of a quaternion."""
-    w, x, y, z = q
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )

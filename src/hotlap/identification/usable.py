@@ -35,7 +35,7 @@ def usable(log: FlightLog) -> tuple[Mapping[str, Signal], tuple[str, ...]]:
                 notes.append(f"{log.name}: {name}: {np.sum(~kept)} of {len(kept)} samples are {what} and were left out")
             signals[name] = Signal(signals[name].times[kept], signals[name].values[kept])
     needed = [signals[name] for name in NEEDED]
-    start, end = max(one.times[0] for one in needed), min(one.times[-1] for one in needed)
+    start, end = max(float(one.times[0]) for one in needed), min(float(one.times[-1]) for one in needed)
     for name in (*TELLING, "battery"):
         reason = _useless(signals[name], start, end, rated=name in TELLING) if name in signals else ""
         if reason:

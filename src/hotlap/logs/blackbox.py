@@ -7,7 +7,9 @@ import re
 import struct
 import subprocess
 import sys
-from collections.abc import Mapping
+import tempfile
+import threading
+from collections.abc import Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,7 @@ import numpy as np
 from hotlap.core.errors import InputError
 from hotlap.core.records import Floats
 from hotlap.logs.flight_log import FlightLog
+from hotlap.logs.number_table import NumberTable
 from hotlap.logs.recording import Recording
 
 KIND = "a blackbox of Betaflight"
@@ -27,6 +30,7 @@ KEPT += ("dshot_idle_value", "motorOutput", "vbat_sag_compensation", "debug_mode
 FIRST = b"H Product:Blackbox"  # line of each flight
 PACKAGE, PROGRAM = "orangebox", "bb2csv"
 PATIENCE = 300.0  # s of decoding
+LAST_WORDS = 4096  # bytes of what it says
 FEWEST = 10  # frames that make a flight
 
 
@@ -35,9 +39,7 @@ def read(path: Path, name: str) -> FlightLog:
     recording = Recording(name, KIND)
     content = path.read_bytes()
     headers, flights = _headers(content), content.count(FIRST)
-    columns, whole = _columns(_decode(path, name), recording)
-    if not whole:
-        recording.note("the log has no end: it may be cut short")
+    columns = _decode(path, recording)
     if flights > 1:
         recording.note(f"the file holds {flights} flights: this is the first")
     if "time" not in columns:
@@ -47,20 +49,54 @@ def read(path: Path, name: str) -> FlightLog:
     return recording.finish()
 
 
-def _decode(path: Path, name: str) -> tuple[str, bool]:
-    """Frames of the first flight as CSV, and whether all of them could be decoded.
+def _decode(path: Path, recording: Recording) -> dict[str, Floats]:
+    """Numbers of the frames of the first flight by the name of their field; words, of slow fields, are NaN.
 
-    Orangebox is under the GPL, so its program runs as a process of its own.
+    Orangebox is under the GPL, so its program runs as a process of its own. What it writes is read line by line.
 
     Raises:
-        InputError: it is not there, or takes too long.
+        InputError: it is not there, takes too long, or finds too few frames.
     """
-    command = [sys.executable, "-P", str(_program(name)), "--allow-invalid-header", str(path.absolute())]
-    try:
-        done = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE, check=False)
-    except subprocess.TimeoutExpired:
-        raise InputError(name, "", f"is {KIND} that takes more than {PATIENCE:g} s to decode: it is damaged, or too long") from None
-    return done.stdout.decode("utf-8", "replace"), done.returncode == 0
+    command = [sys.executable, "-P", str(_program(recording.name)), "--allow-invalid-header", str(path.absolute())]
+    late, pipe = threading.Event(), subprocess.PIPE
+    settings = {"stdin": subprocess.DEVNULL, "encoding": "utf-8", "errors": "replace"}
+    with tempfile.TemporaryFile() as said, subprocess.Popen(command, stdout=pipe, stderr=said, **settings) as program:
+        clock = threading.Timer(PATIENCE, lambda: (late.set(), program.kill()))
+        clock.start()
+        try:
+            names, table, short, cut = _frames(csv.reader(program.stdout or ()))
+            failed = program.wait() != 0
+        except BaseException:
+            program.kill()
+            raise
+        finally:
+            clock.cancel()
+        said.seek(max(said.tell() - LAST_WORDS, 0))
+        last = said.read().decode("utf-8", "replace").strip().rpartition("\n")[2]
+    if late.is_set():
+        raise recording.fail("", f"is {KIND} that takes more than {PATIENCE:g} s to decode: it is damaged, or too long")
+    words = f" ({PROGRAM} said: {(last or ', '.join(names))[:120]})" if failed else ""
+    if len(table) < FEWEST:
+        raise recording.fail("", f"is {KIND} with {len(table)} frames: it is cut short, or holds no flight{words}")
+    if failed:
+        recording.note(f"the log has no end: it may be cut short{words}")
+    if cut:
+        recording.note("the last frame is cut short and was left out")
+    if short:
+        recording.note(f"{short} frames have fewer than {len(names)} fields and were left out")
+    return table.columns()
+
+
+def _frames(rows: Iterator[list[str]]) -> tuple[list[str], NumberTable, int, bool]:
+    """Names of the fields, frames, how many were too short, and whether the last was."""
+    names = next(rows, [])
+    table, short, cut = NumberTable({name: k for k, name in enumerate(names)}, words=True), 0, False
+    for row in rows:
+        short += cut
+        cut = len(row) < len(names)
+        if not cut:
+            table.add(row)
+    return names, table, short, cut
 
 
 def _program(name: str) -> Path:
@@ -98,29 +134,6 @@ def _value(text: str) -> Any:
     return numbers[0] if len(numbers) == 1 else numbers
 
 
-def _columns(decoded: tuple[str, bool], recording: Recording) -> tuple[dict[str, Floats], bool]:
-    """Numbers by the name of the field, and whether the log is whole; words, of slow fields, are left out.
-
-    Raises:
-        InputError: there are too few frames.
-    """
-    text, whole = decoded
-    names, *rows = list(csv.reader(text.splitlines())) or [[]]
-    if rows and len(rows[-1]) < len(names):  # it was being written
-        rows.pop()
-    if len(rows) < FEWEST:
-        raise recording.fail("", f"is {KIND} with {len(rows)} frames: it is cut short, or holds no flight")
-    width = min(len(names), *(len(row) for row in rows))
-    return {names[i]: np.array([_number(row[i]) for row in rows]) for i in range(width)}, whole
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return np.nan
-
-
 def _take(recording: Recording, columns: Mapping[str, Floats], headers: Mapping[str, Any]) -> None:
     times = columns["time"] * 1e-6
     found = VERSION.search(str(headers.get("Firmware revision", "")))
@@ -141,7 +154,7 @@ def _take(recording: Recording, columns: Mapping[str, Floats], headers: Mapping[
     if "setpoint[3]" in columns and version >= (4, 0, 0):
         recording.add("thrust_command", times, np.clip(columns["setpoint[3]"] / 1000, 0.0, 1.0))
     elif "rcCommand[3]" in columns:
-        share = np.clip(columns["rcCommand[3]"] / 1000 - 1, 0.0, 1.0)
+        share = np.clip(columns["rcCommand[3]"] / finer / 1000 - 1, 0.0, 1.0)
         recording.add("thrust_command", times, share, "thrust_command: rcCommand, before the mixer's limits")
     _take_motors(recording, times, columns, headers)
     _take_battery(recording, times, columns, version)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from array import array
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,37 +13,40 @@ import numpy as np
 from hotlap.core.records import Floats
 from hotlap.logs.flight_log import FlightLog
 from hotlap.logs.frames import TURNED, from_angles, turn, turn_attitude
-from hotlap.logs.packages import load
+from hotlap.logs.packages import load, without_remarks
 from hotlap.logs.recording import Recording
 
 KIND = "a dataflash log of ArduPilot"
-FIRST = {"IMU": ("I",), "BAT": ("Inst", "Instance"), "XKF1": ("C",), "NKF1": ("C",), "XKQ": ("C",), "ESC": ("Instance",)}  # 0 of it counts
-KINDS = ("ATT", "RATE", "IMU", "RCOU", "BAT", "XKF1", "NKF1", "XKQ", "POS", "ESC", "PARM")
+FIRST = {"IMU": ("I",), "BAT": ("Inst", "Instance"), "XKF1": ("C",), "NKF1": ("C",), "XKQ": ("C",)}  # 0 of it counts
+KINDS = ("ATT", "RATE", "IMU", "RCOU", "BAT", "XKF1", "NKF1", "XKQ", "POS", "PARM")
 FACTS = ("ATC_RAT", "ATC_THR", "MOT_", "INS_GYRO_FILTER", "BATT_", "FRAME", "SERVO_BLH", "SCHED_LOOP_RATE")
 EARTH = 6378137.0  # m, radius at the equator
 PWM = (1000.0, 2000.0)
 MOST_MESSAGES = 20_000_000
+PARAMETER, TIME, CLOCK = "PARM", "TimeUS", "its clock"
 
 
 def read(path: Path, name: str) -> FlightLog:
     """Read a log; see `readers.read`."""
     recording, reader = Recording(name, KIND), load("pymavlink.DFReader", KIND, name)
-    log = reader.DFReader_text(str(path)) if path.suffix.lower() == ".log" else reader.DFReader_binary(str(path))
-    kept: dict[str, list[Any]] = {kind: [] for kind in KINDS}
+    with without_remarks():  # on every byte that is none of a message
+        log = reader.DFReader_text(str(path)) if path.suffix.lower() == ".log" else reader.DFReader_binary(str(path))
+    tables, parameters = dict[str, Table](), dict[str, Any]()
     try:
         for _ in range(MOST_MESSAGES):
             message = log.recv_match(type=list(KINDS))
             if message is None:
                 break
             kind = message.get_type()
-            if all(getattr(message, field, 0) in {0, None} for field in FIRST.get(kind, ())):
-                kept[kind].append(message.to_dict() | {"t": message._timestamp})  # noqa: SLF001  it has no other name
+            if kind == PARAMETER:
+                parameters[message.Name] = message.Value
+            elif all(getattr(message, field, 0) in {0, None} for field in FIRST.get(kind, ())):
+                fields = {**message.to_dict(), CLOCK: message._timestamp}  # noqa: SLF001  it has no other name
+                tables.setdefault(kind, Table(recording, kind, fields)).add(fields)
     finally:
         close = getattr(log, "close", None)
         if close is not None:
             close()
-    parameters = {row["Name"]: row["Value"] for row in kept.pop("PARM")}
-    tables = {kind: Table(recording, kind, rows) for kind, rows in kept.items() if rows}
     if not tables:
         raise recording.fail("", f"is {KIND} with none of {', '.join(KINDS[:-1])}: it is cut short, or holds no flight")
     _take(recording, tables, parameters)
@@ -50,22 +55,31 @@ def read(path: Path, name: str) -> FlightLog:
 
 
 class Table:
-    """The messages of one kind.
+    """The messages of one kind, eight bytes a number.
 
     Args:
         recording: that complains.
         kind: of the messages.
-        rows: of one message each.
+        first: the fields of the first message: those that are numbers are kept.
     """
 
-    def __init__(self, recording: Recording, kind: str, rows: Sequence[dict[str, Any]]) -> None:
-        self._recording, self._kind, self._rows = recording, kind, rows
-        clock = "TimeUS" in rows[0]
-        self.times: Floats = np.array([row["TimeUS"] * 1e-6 if clock else row["t"] for row in rows], dtype=np.float64)
+    def __init__(self, recording: Recording, kind: str, first: Mapping[str, Any]) -> None:
+        self._recording, self._kind = recording, kind
+        self._names = [name for name, value in first.items() if isinstance(value, int | float)]
+        self._numbers: array[float] = array("d")
 
     def __contains__(self, column: str) -> bool:
         """Whether there is a column of this name."""
-        return column in self._rows[0]
+        return column in self._names
+
+    def add(self, fields: Mapping[str, Any]) -> None:
+        """Take up a message."""
+        self._numbers.extend(value if isinstance(value := fields.get(name), int | float) else math.nan for name in self._names)
+
+    @property
+    def times(self) -> Floats:
+        """Shape (N,) [s]."""
+        return self.columns(TIME)[:, 0] * 1e-6 if TIME in self else self.columns(CLOCK)[:, 0]
 
     def columns(self, *names: str) -> Floats:
         """Some columns, shape (N, columns).
@@ -76,7 +90,7 @@ class Table:
         missing = [name for name in names if name not in self]
         if missing:
             raise self._recording.fail(self._kind, f"has no {', '.join(missing)}")
-        return np.array([[row[name] for name in names] for row in self._rows], dtype=np.float64)
+        return np.array(self._numbers).reshape(-1, len(self._names))[:, [self._names.index(name) for name in names]]
 
 
 def _take(recording: Recording, tables: dict[str, Table], parameters: dict[str, Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -46,6 +47,11 @@ class Signal(Shown):
         """Samples a second; 0 for fewer than two."""
         return 0.0 if len(self.times) < 2 else float((len(self.times) - 1) / (self.times[-1] - self.times[0]))
 
+    @property
+    def step(self) -> float:
+        """[s] usual time from sample to sample, gaps apart; infinite for fewer than two."""
+        return float(np.median(np.diff(self.times))) if len(self.times) > 1 else math.inf
+
     def at(self, times: Floats) -> Floats:
         """Linear between samples; NaN before the first and behind the last.
 
@@ -65,7 +71,7 @@ class Signal(Shown):
             least: [s].
         """
         spans = np.diff(self.times)
-        k = np.flatnonzero(spans > max(least, USUAL * float(np.median(spans)))) if len(spans) else np.empty(0, dtype=np.int64)
+        k = np.flatnonzero(spans > max(least, USUAL * self.step))
         return np.column_stack([self.times[k], self.times[k + 1]])
 
 

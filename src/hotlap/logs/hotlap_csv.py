@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,8 @@ import numpy as np
 from hotlap.core.errors import InputError
 from hotlap.core.records import Floats, columns_of
 from hotlap.logs.flight_log import FlightLog, Signal
+from hotlap.logs.number_table import NumberTable
+from hotlap.logs.recording import LARGEST
 from hotlap.system.text_files import replace
 
 KIND = "a flight of hotlap (CSV)"
@@ -45,8 +48,9 @@ def read_hotlap_csv(path: str | Path) -> FlightLog:
     for signal, names in GROUPS.items():
         if all(name in table for name in names):
             values = np.column_stack([table[name] for name in names])
-            if not np.isfinite(values).all():
-                row = int(np.argwhere(~np.isfinite(values))[0, 0])
+            good = np.abs(values) < LARGEST
+            if not good.all():
+                row = int(np.argwhere(~good)[0, 0])
                 raise InputError(label, signal, f"is not finite in row {row + 2}")
             signals[signal] = Signal(times, values)
         elif any(name in table for name in names):
@@ -86,34 +90,32 @@ def write_hotlap_csv(path: str | Path, log: FlightLog) -> None:
 
 def _read(path: Path) -> dict[str, Floats]:
     """Columns by name."""
+    label = str(path)
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        with path.open(encoding="utf-8") as file:
+            return _table(label, (line for line in enumerate(file, start=1) if line[1].strip()))
     except FileNotFoundError:
-        raise InputError(str(path), "", "there is no such file") from None
+        raise InputError(label, "", "there is no such file") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), "", f"cannot be read as text: {getattr(error, 'strerror', None) or 'it is no UTF-8'}") from None
-    rows = [line.split(",") for line in lines if line.strip()]
-    if len(rows) < 2:
-        raise InputError(str(path), "", "is empty: a header and rows of numbers are needed")
-    names = [name.strip() for name in rows[0]]
-    for name in NEEDED:
-        if name not in names:
-            raise InputError(str(path), name, f"this column is missing; a log of hotlap has {', '.join(NEEDED)}")
-    table = np.full((len(rows) - 1, len(names)), np.nan)
-    for k, row in enumerate(rows[1:]):
+        raise InputError(label, "", f"cannot be read as text: {getattr(error, 'strerror', None) or 'it is no UTF-8'}") from None
+
+
+def _table(label: str, lines: Iterator[tuple[int, str]]) -> dict[str, Floats]:
+    """Columns by name, of lines with their numbers."""
+    _, head = next(lines, (0, ""))
+    names = [name.strip() for name in head.split(",")]
+    table = NumberTable({name: k for k, name in enumerate(names)})
+    for number, line in lines:
+        row = line.rstrip("\r\n").split(",")
+        for name in NEEDED if not len(table) else ():
+            if name not in names:
+                raise InputError(label, name, f"this column is missing; a log of hotlap has {', '.join(NEEDED)}")
         if len(row) != len(names):
-            raise InputError(str(path), f"row {k + 2}", f"has {len(row)} values, the header has {len(names)}: is the file cut off?")
+            raise InputError(label, f"row {number}", f"has {len(row)} values, the header has {len(names)}: is the file cut off?")
         try:
-            table[k] = [float(value) if value.strip() else np.nan for value in row]
+            table.add(row)
         except ValueError:
-            wrong = next(value for value in row if not _is_number(value))
-            raise InputError(str(path), f"row {k + 2}", f"'{wrong[:30]}' is no number") from None
-    return dict(zip(names, table.T, strict=True))
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text or "nan")
-    except ValueError:
-        return False
-    return True
+            raise InputError(label, f"row {number}", f"'{table.wrong(row)[1].strip()[:30]}' is no number") from None
+    if not len(table):
+        raise InputError(label, "", "is empty: a header and rows of numbers are needed")
+    return table.columns()

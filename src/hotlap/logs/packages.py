@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import io
+import os
 import warnings
 from collections.abc import Iterator
 from importlib import import_module
 from types import ModuleType
 
 from hotlap.core.errors import HotlapError, InputError
+
+STANDARD_ERROR = 2  # its descriptor
 
 
 def load(module: str, kind: str, name: str) -> ModuleType:
@@ -48,3 +51,21 @@ def quietly(kind: str, name: str) -> Iterator[None]:
         reason = " ".join(str(error).split())[:120]
         told = f"{type(error).__name__}: {reason}" if reason else type(error).__name__
         raise InputError(name, "", f"cannot be read as {kind}: it is cut short or damaged ({told})") from None
+
+
+@contextlib.contextmanager
+def without_remarks() -> Iterator[None]:
+    """Let the compiled code of a package write nothing to standard error, which Python cannot turn aside."""
+    try:
+        kept = os.dup(STANDARD_ERROR)
+    except OSError:  # closed: there is nothing to keep clean
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, STANDARD_ERROR)
+        yield
+    finally:
+        os.dup2(kept, STANDARD_ERROR)
+        os.close(kept)
+        os.close(nowhere)

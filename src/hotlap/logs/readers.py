@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ from hotlap.logs.plausibility import check_units
 from hotlap.system.text_files import cause_of
 
 MOST_BYTES = 2_000_000_000  # of a log
-MOST_OF_BLACKBOX = 200_000_000  # it is read byte by byte
+MOST_OF_TEXT = 200_000_000  # and of what is decoded byte by byte
+TEXT_OF_ARDUPILOT = b"FMT,"
 LISTED = "PX4 ULog, Betaflight blackbox, ArduPilot dataflash, MCAP, ROS bag, CSV"
 
 Reader = Callable[[Path, str, "Mapping[str, Any] | None"], FlightLog]
@@ -75,7 +77,7 @@ def _recognise(path: Path, name: str) -> tuple[str, Reader]:
     with path.open("rb") as file:
         head = file.read(4096)
     kind, reader = _by_bytes(head, path)
-    most = MOST_OF_BLACKBOX if reader is _blackbox else MOST_BYTES
+    most = MOST_OF_TEXT if reader in {_blackbox, csv_table.read, _own} or head.startswith(TEXT_OF_ARDUPILOT) else MOST_BYTES
     if size > most:
         raise InputError(name, "", f"is larger than {most / 1e6:g} MB: cut out the flight")
     if reader in {csv_table.read, _own} and (_is_binary(head) or path.suffix.lower() in OTHERS):
@@ -89,7 +91,7 @@ def _by_bytes(head: bytes, path: Path) -> tuple[str, Reader]:
         return ulog.KIND, _ulog
     if head.startswith(b"H Product:Blackbox"):
         return blackbox.KIND, _blackbox
-    if head.startswith(b"\xa3\x95") or (path.suffix.lower() == ".log" and head.startswith(b"FMT,")):
+    if head.startswith(b"\xa3\x95") or (path.suffix.lower() == ".log" and head.startswith(TEXT_OF_ARDUPILOT)):
         return dataflash.KIND, _dataflash
     if head.startswith(b"\x89MCAP"):
         return mcap_file.KIND, mcap_file.read
@@ -145,13 +147,18 @@ def _own(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:
     return csv_table.read(path, name, mapping) if mapping is not None else read_hotlap_csv(path)
 
 
-def _ulog(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:  # noqa: ARG001  it names its own columns
-    return ulog.read(path, name)
+def _ulog(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:
+    return _unmapped(ulog.read(path, name), mapping)
 
 
-def _blackbox(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:  # noqa: ARG001
-    return blackbox.read(path, name)
+def _blackbox(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:
+    return _unmapped(blackbox.read(path, name), mapping)
 
 
-def _dataflash(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:  # noqa: ARG001
-    return dataflash.read(path, name)
+def _dataflash(path: Path, name: str, mapping: Mapping[str, Any] | None) -> FlightLog:
+    return _unmapped(dataflash.read(path, name), mapping)
+
+
+def _unmapped(log: FlightLog, mapping: Mapping[str, Any] | None) -> FlightLog:
+    """A log that names its own columns; says so where a map was given."""
+    return log if mapping is None else replace(log, notes=(*log.notes, f"the map was not used: {log.kind} names its own columns"))

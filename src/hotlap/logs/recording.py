@@ -11,9 +11,12 @@ from numpy.typing import ArrayLike
 from hotlap.core.errors import InputError
 from hotlap.core.records import Floats
 from hotlap.logs.flight_log import COLUMNS, FlightLog, Signal
+from hotlap.reference.attitude import continuous
 
 DISORDER = 0.01  # share of the samples that may stand behind a later one: more are no accident
 MEASURED = ("battery", "current", "motor_speed")  # by sensors that a drone may be without: what they would tell is often logged as NaN
+LARGEST = 1e12  # of a value, in its unit: more is no measurement, and its square no number
+LARGEST_TIME = 1e20  # s; of an epoch in ns, which is asked about later, less
 EPOCH = 1e6  # s: clocks that are further on count from another year, and lose digits
 
 
@@ -58,7 +61,7 @@ class Recording:
         """
         moments, rows = np.asarray(times, dtype=np.float64), np.asarray(values, dtype=np.float64)
         rows = rows[:, None] if rows.ndim == 1 else rows
-        if signal in self._signals or not len(moments):
+        if signal in self._signals or not rows.size:
             return
         if COLUMNS[signal] not in {0, rows.shape[1]}:
             raise self.fail(signal, f"has {rows.shape[1]} columns, not {COLUMNS[signal]}")
@@ -70,8 +73,7 @@ class Recording:
             moments, rows = self._turned(moments, rows)
         moments, rows = self._ordered(signal, moments, rows)
         if signal == "attitude":  # q and -q are one attitude: without jumps it can be drawn between samples
-            turns = np.where((rows[1:] * rows[:-1]).sum(axis=1) < 0, -1.0, 1.0)
-            rows[1:] *= np.cumprod(turns)[:, None]
+            rows = continuous(rows)
         self._signals[signal] = Signal(moments, rows)
         if said:
             self.note(said)
@@ -93,7 +95,7 @@ class Recording:
 
     def _finite(self, signal: str, moments: Floats, rows: Floats) -> tuple[Floats, Floats]:
         """Samples that are numbers."""
-        good = np.isfinite(moments) & np.isfinite(rows).all(axis=1)
+        good = (np.abs(moments) < LARGEST_TIME) & (np.abs(rows) < LARGEST).all(axis=1)
         lost = len(good) - int(good.sum())
         if lost == len(good):
             raise self.fail(signal, f"has no finite value in {len(good)} samples")

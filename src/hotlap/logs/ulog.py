@@ -42,7 +42,8 @@ def read(path: Path, name: str) -> FlightLog:
         raise recording.fail("", f"is {KIND} that ends within its first 16 bytes")
     if head[7] not in VERSIONS:
         raise recording.fail("", f"is a ULog of version {head[7]}; hotlap reads versions {' and '.join(map(str, VERSIONS))}")
-    log = load("pyulog", KIND, name).ULog(str(path), list(TOPICS))
+    with path.open("rb") as file:  # which pyulog leaves open where the log is damaged
+        log = load("pyulog", KIND, name).ULog(file, list(TOPICS))
     topics = {(data.name, data.multi_id): data.data for data in log.data_list}
     found = {topic: Topic(recording, topic, topics[topic, 0]) for topic in TOPICS if (topic, 0) in topics}
     for topic, take in TAKEN.items():

@@ -22,6 +22,19 @@ def thrust_axis(attitudes: Floats) -> Floats:
     return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=-1)
 
 
+def rotation_matrices(attitudes: Floats) -> Floats:
+    """Rotations from body to world of unit quaternions, shape (..., 4) -> (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(attitudes, -1, 0)
+    rows = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    return np.moveaxis(rows, (0, 1), (-2, -1))
+
+
 def follow_axes(axes: Floats, attitude: Floats, largest_turn: float = np.pi) -> Floats:
     """Attitudes whose body z follows given unit vectors by the shortest rotations.
 
