@@ -102,10 +102,10 @@ class Stream:
         return throttle
 
     def _checked(self, order: Order) -> float:
-        """The throttle of a command that is all of numbers."""
+        """The throttle of a command all of whose parts that the vehicle is told are numbers."""
         throttle = self.throttle(order)
-        told = [order.thrust, *order.rates, *order.reference, *order.acceleration, *([throttle] if self._link.takes_throttle else [])]
-        if not np.isfinite(told).all():
+        steered = [order.thrust, throttle, *order.rates] if self._link.takes_throttle else []
+        if not np.isfinite([*steered, *order.reference, *order.acceleration]).all():
             raise Halt(Reason.COMMAND)
         return throttle
 
