@@ -17,9 +17,10 @@ from hotlap.cli import main
 from hotlap.files.descriptions import save_parameters
 from hotlap.files.parameters_file import SavedParameters
 from hotlap.real_flight import flight as flight_loop
+from hotlap.real_flight.flight import RealFlight
 from hotlap.real_flight.mavlink.stand_in import StandIn, Weather
-from hotlap.real_flight.settings import Phase
-from real_flight.hangar import make_drone, make_scenario
+from hotlap.real_flight.settings import FlightSettings, Phase
+from real_flight.hangar import DirectLink, make_drone, make_scenario
 
 SCENARIO = make_scenario()
 WEATHER = Weather(loss=0.03, latency=0.002, jitter=0.004, position=0.005, velocity=0.02, attitude=0.002)
@@ -80,6 +81,43 @@ def test_a_flight_is_judged_and_its_log_can_be_scored(serving, capsys):
     assert judged["completion"] == 1.0
     assert judged["mean_error"] == pytest.approx(document["mean_error"])
     assert judged["lap_time"] == pytest.approx(document["lap_time"])
+
+
+class Puppet:
+    """A flight that has been flown: the end of it."""
+
+    def __init__(self, interrupted):
+        link = DirectLink(make_drone(SCENARIO))
+        link.drone.hover(SCENARIO.reference.position[0])
+        link._script = lambda each: setattr(each, "states", not any(told.race_time for _, told, _ in each.sent))
+        self.flight = RealFlight(link, SCENARIO, SCENARIO.space.first_guess(1), FlightSettings())
+        self.fly = self.interrupt if interrupted else self.flight.fly
+
+    def interrupt(self):
+        self.flight.fly()
+        raise KeyboardInterrupt
+
+    def __getattr__(self, name):
+        return getattr(self.flight, name)
+
+
+@pytest.mark.parametrize("interrupted", [False, True])
+@pytest.mark.parametrize("full", [False, True])
+def test_a_disk_that_is_full_takes_neither_the_result_nor_the_flight(interrupted, full, tmp_path, monkeypatch, hall):
+    monkeypatch.setattr(lapped.tempfile, "gettempdir", lambda: str(tmp_path / "none" if full else tmp_path))
+    said = []
+    flight, log = Puppet(interrupted), hall / "gone" / "flight.csv"
+    if interrupted:
+        with pytest.raises(KeyboardInterrupt) as caught:
+            lapped._fly(flight, SCENARIO, log, said.append)
+        kept = "" if full else f"; its flight is in {tmp_path / 'flight.csv'}"
+        assert caught.value.__notes__ == [f"the vehicle was asked to land{kept}"]
+    else:
+        result = lapped._fly(flight, SCENARIO, log, said.append)
+        assert "the state is too old" in result.stopped
+        assert result.log == (None if full else tmp_path / "flight.csv")
+    assert (tmp_path / "flight.csv").exists() is not full
+    assert len([line for line in said if "the log is not written: " in line]) == 1 + full
 
 
 @pytest.mark.usefixtures("hall")

@@ -8,7 +8,26 @@ import threading
 
 import pytest
 
-from hotlap.cli.stopping import SIGNALS, Stopped, remark, stopped_by_signals
+from hotlap.cli.stopping import HANGUP, SIGNALS, Stopped, remark, stopped_by_signals
+
+
+@pytest.fixture(autouse=True)
+def terminal():
+    """Tests may themselves run without one."""
+    if HANGUP is None:
+        yield
+        return
+    before = signal.signal(HANGUP, signal.SIG_DFL)
+    yield
+    signal.signal(HANGUP, before)
+
+
+@pytest.mark.skipif(HANGUP is None, reason="a terminal that is closed sends no signal here")
+def test_a_command_that_outlives_its_terminal_goes_on():
+    signal.signal(HANGUP, signal.SIG_IGN)
+    with stopped_by_signals():
+        signal.raise_signal(HANGUP)
+    assert signal.getsignal(HANGUP) is signal.SIG_IGN
 
 
 @pytest.mark.parametrize("number", SIGNALS)

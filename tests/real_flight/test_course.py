@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 from hotlap.core.errors import InputError
 from hotlap.race.obstacles import Box
 from hotlap.race.track import Gate, Track
+from hotlap.real_flight.course import Course
 from hotlap.real_flight.geofence import geofence_of
 from hotlap.real_flight.link import Seen
 from hotlap.real_flight.paths import braking_of, level, path_from_rest, with_braking, yaw_of
 from hotlap.real_flight.place import Place, read_place
+from hotlap.real_flight.settings import FlightSettings
 from hotlap.reference.attitude import thrust_axis
 from real_flight.hangar import make_scenario
 
@@ -74,6 +76,17 @@ def test_a_place_is_read_in_metres_and_degrees():
     assert read_place("here") is None
     with pytest.raises(InputError, match=r"origin: must be x, y, z .* not '1,2'"):
         read_place("1,2")
+
+
+def test_a_start_far_away_is_flown_to_only_within_a_geofence_that_was_given():
+    scenario = make_scenario()
+    state = np.concatenate([[100.0, 0.0, 1.0], level(0.0), np.zeros(6)])
+    parameters = scenario.space.first_guess(1)
+    with pytest.raises(InputError, match="origin: the start of the race is 100 m from the vehicle"):
+        Course(scenario, parameters, FlightSettings()).approach(state, stands=False)
+    given = "-20,120,-20,20,0,9"
+    _, fence = Course(scenario, parameters, FlightSettings(geofence=given)).approach(state, stands=False)
+    assert fence.high.tolist() == [120, 20, 9]
 
 
 def test_a_path_goes_from_rest_to_rest_within_its_limits():

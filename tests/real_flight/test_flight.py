@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import threading
 import time
@@ -138,10 +139,149 @@ def test_who_takes_over_is_left_alone():
     assert max(moment for moment, _, _ in link.sent) <= cut[0]
 
 
+@pytest.mark.parametrize("way", ["slow", "interrupted", "no number"])
+def test_who_takes_over_while_it_lands_is_left_alone_however_that_ends(way, monkeypatch):
+    monkeypatch.setattr(flight_loop, "LANDING", 1.0)
+
+    def take_over(each):
+        asked = next((at for at, request in each.requests if request is Request.LAND), np.inf)
+        if each.drone.time > asked:
+            each.drone.change(Mode.HOLD)
+        if each.drone.time > asked + 0.1:
+            each.shift = np.full(3, np.nan if way == "no number" else 0.0)
+            if way == "interrupted":
+                raise KeyboardInterrupt
+
+    link = DirectLink(airborne(), take_over)
+    flying = flight(link, on_stop=Request.DISARM)
+    if way == "interrupted":
+        with pytest.raises(KeyboardInterrupt):
+            flying.fly()
+    else:
+        assert flying.fly().halt is not None
+    assert (flying.phase, flying.asked_to) == (Phase.LAND, None)
+    assert [request for _, request in link.requests] == [Request.ENGAGE, Request.LAND]
+
+
+def test_who_takes_over_because_the_position_fails_is_left_alone():
+    link, said = DirectLink(airborne()), []
+    in_race(link, lambda each: (each.drone.change(Mode.HOLD), setattr(each, "shift", np.full(3, np.nan))), 0.2)
+    flown = RealFlight(link, SCENARIO, PARAMETERS, FlightSettings(), said.append).fly()
+    assert (flown.halt.reason, link.requests[-1][1]) == (Reason.TAKEN_OVER, Request.ENGAGE)
+
+
+def test_a_stop_that_is_refused_is_said():
+    link, said = DirectLink(airborne()), []
+    in_race(link, lambda each: (setattr(each, "states", False), setattr(each, "refusal", "mode denied")), 0.2)
+    RealFlight(link, SCENARIO, PARAMETERS, FlightSettings(), said.append).fly()
+    assert said[-1] == "note: mode denied"
+
+
+def test_a_pilot_who_does_not_hand_over_is_left_alone():
+    link = DirectLink(airborne())
+    link.drone.change = lambda mode: False
+    link.refusal = "mode denied"
+    flown = flight(link).fly()
+    assert (flown.phase, flown.halt.reason) == (Phase.ENGAGE, Reason.REFUSED)
+    assert {request for _, request in link.requests} == {Request.ENGAGE}
+
+
+def test_an_interruption_after_it_was_asked_to_follow_stops_it_before_it_says_so():
+    def interrupt(each):
+        if each.requests:
+            raise KeyboardInterrupt
+
+    link = DirectLink(airborne(), interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        flight(link).fly()
+    assert [request for _, request in link.requests] == [Request.ENGAGE, Request.LAND]
+
+
 def test_a_position_that_jumps_stops_it():
     link = DirectLink(airborne())
     in_race(link, lambda each: setattr(each, "shift", np.array([1.2, 0.0, 0.0])), 0.2)
     assert flight(link).fly().halt.reason is Reason.JUMP
+
+
+@pytest.mark.parametrize("leap", [0.6, 30.0])
+def test_a_time_that_leaps_stops_it_before_anything_is_sent(leap):
+    link, leapt = DirectLink(airborne()), [0.0]
+    receive = link.receive
+    link.receive = lambda wait: dataclasses.replace(seen := receive(wait), time=seen.time + leapt[0])
+    cut = in_race(link, lambda _: leapt.__setitem__(0, leap), 0.3)
+    flown = flight(link).fly()
+    assert flown.halt.reason is Reason.TIME
+    assert max(moment for moment, _, _ in link.sent) <= cut[0]
+
+
+@pytest.mark.parametrize("wrong", [{"rates": np.array([0.0, np.nan, 0.0])}, {"thrust": np.nan}, {"thrust": np.inf}])
+def test_a_command_that_is_no_number_is_not_sent(wrong):
+    link = DirectLink(airborne())
+    flying = flight(link)
+    order = flying._course.race.order
+    flying._course.race.order = lambda seen: dataclasses.replace(order(seen), **wrong)
+    assert flying.fly().halt.reason is Reason.COMMAND
+    assert all(np.isfinite([setpoint.throttle, setpoint.thrust, *setpoint.rates]).all() for _, setpoint, _ in link.sent)
+    assert link.requests[-1][1] is Request.LAND
+
+
+@pytest.mark.parametrize("phase", [Phase.RACE, Phase.STAND])
+def test_who_is_far_from_the_reference_is_not_told_to_go_there(phase):
+    link = DirectLink(airborne())
+    flying = flight(link, margin=9.0)
+    flying.stream.guard.check_distance, check = lambda *_: None, flying.stream.guard.check_distance
+    farthest = []
+
+    def shrink(each):
+        if flying.phase is phase and not farthest:
+            farthest.append(each.drone.time)
+            flying.stream.guard.farthest, flying.stream.guard.check_distance = 0.0, check
+
+    link._script = shrink
+    assert flying.fly().halt.reason is Reason.STRAYED
+    assert flying.phase is phase
+    assert max(moment for moment, _, _ in link.sent) <= farthest[0]
+
+
+def test_a_position_that_is_no_number_is_said_before_anything_is_sent():
+    link = DirectLink(airborne())
+    link.shift = np.full(3, np.nan)
+    flown = flight(link).fly()
+    assert (flown.phase, flown.halt.reason, link.sent, link.requests) == (Phase.MEET, Reason.NUMBERS, [], [])
+
+
+def test_who_has_moved_before_it_follows_is_not_flown():
+    link = DirectLink(make_drone(SCENARIO))
+    link.drone.arm = lambda: (setattr(link, "shift", np.array([0.0, 0.0, 1.5])), setattr(link.drone, "armed", True))
+    flown = flight(link, arm=True).fly()
+    assert (flown.phase, flown.halt.reason) == (Phase.ENGAGE, Reason.JUMP)
+    assert all(setpoint.throttle == 0 for _, setpoint, _ in link.sent)
+
+
+def test_who_is_stopped_on_the_ground_before_it_follows_is_not_armed_again():
+    link = DirectLink(make_drone(SCENARIO))
+    link.drone.arm()
+    link._script = lambda each: each.drone.disarm() if len(each.sent) == 5 else None
+    flown = flight(link, arm=True).fly()
+    assert (flown.phase, flown.halt.reason, link.requests) == (Phase.ENGAGE, Reason.DISARMED, [])
+
+
+def test_who_tips_over_on_the_ground_gets_no_more_thrust():
+    link, tipped = DirectLink(make_drone(SCENARIO)), []
+    receive = link.receive
+
+    def tip(wait):
+        seen = receive(wait)
+        if link.drone.armed and any(setpoint.throttle > 0 for _, setpoint, _ in link.sent):
+            tipped.append(seen.time)
+            angle = 0.1 * len(tipped)
+            seen.state[3:7] = [np.cos(angle / 2), np.sin(angle / 2), 0.0, 0.0]
+        return seen
+
+    link.receive = tip
+    flown = flight(link, arm=True).fly()
+    assert (flown.phase, flown.halt.detail) == (Phase.TAKE_OFF, "it tips over")
+    assert max(moment for moment, _, _ in link.sent) <= tipped[3]
 
 
 def test_motors_that_stop_are_not_started_again():

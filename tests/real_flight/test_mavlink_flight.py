@@ -18,6 +18,7 @@ from hotlap.real_flight.link import LinkError
 from hotlap.real_flight.mavlink.autopilots import ARDUPILOT, PX4
 from hotlap.real_flight.mavlink.stand_in import StandIn, Weather
 from hotlap.real_flight.settings import FlightSettings, Phase
+from hotlap.real_flight.stand_in import Mode
 from real_flight.hangar import DELAY, make_drone, make_scenario
 
 SCENARIO = make_scenario()
@@ -105,6 +106,21 @@ def test_a_state_that_grows_old_stops_it_within_half_a_second():
     stopped = next(moment for moment, what in stand_in.requests if what == "hold")
     assert cut[0] < stopped < cut[0] + 0.5
     assert max(told.time for told in stand_in.setpoints) <= cut[0] + 0.01
+
+
+def test_a_pilot_who_takes_over_is_noticed_between_two_heartbeats():
+    cut = []
+
+    def take_over(stand_in):
+        if not cut and sum(told.throttle > 0 for told in stand_in.setpoints) > 200:
+            cut.append(stand_in.now)
+            stand_in.drone.change(Mode.HOLD)
+
+    with serving(each_step=take_over, airborne=True) as stand_in:
+        flown = fly(stand_in, on_stop="disarm")
+    assert flown.halt.reason is Reason.TAKEN_OVER
+    assert max(told.time for told in stand_in.setpoints) < cut[0] + 0.3
+    assert [what for _, what in stand_in.requests] == ["engage"]
 
 
 def test_an_arm_that_is_refused_says_why():

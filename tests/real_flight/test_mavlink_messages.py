@@ -13,7 +13,7 @@ from hotlap.core.errors import InputError
 from hotlap.real_flight import open_link
 from hotlap.real_flight.clocks import FollowedClock, OffsetClock
 from hotlap.real_flight.mavlink.address import address_of
-from hotlap.real_flight.mavlink.frames import BODY_FRD, LOCAL_NED, odometry_of, rates_told, state_of_odometry
+from hotlap.real_flight.mavlink.frames import BODY_FRD, LOCAL_FRD, LOCAL_NED, odometry_of, rates_told, state_of_odometry
 from hotlap.real_flight.mavlink.states import States
 from hotlap.reference.attitude import thrust_axis
 
@@ -28,7 +28,7 @@ class Message(SimpleNamespace):
 
 
 def odometry(state, time, **changed):
-    fields = {**odometry_of(state), "time_usec": round(1e6 * time), "reset_counter": 0, "kind": "ODOMETRY", **changed}
+    fields = {**odometry_of(state), "time_usec": round(1e6 * time), "reset_counter": 0, "quality": 0, "kind": "ODOMETRY", **changed}
     return Message(**fields)
 
 
@@ -61,7 +61,9 @@ def test_velocity_in_the_body_is_turned_into_the_world():
         rollspeed=0.0, pitchspeed=0.0, yawspeed=0.0,
     )  # fmt: skip
     assert state_of_odometry(east)[7:10] == pytest.approx([0, -3, 0], abs=1e-12)
-    assert state_of_odometry(Message(**{**vars(east), "frame_id": 8})) is None
+    for frames in ({"frame_id": 8}, {"child_frame_id": LOCAL_FRD}, {"child_frame_id": 8}):
+        assert state_of_odometry(Message(**{**vars(east), **frames})) is None
+    assert state_of_odometry(Message(**{**vars(east), "child_frame_id": LOCAL_NED}))[7:10].tolist() == [3, 0, 0]
 
 
 def position(time, x):
@@ -114,6 +116,12 @@ def test_odometry_counts_where_it_speaks_and_what_is_older_never():
     assert states.hear(position(4.0, 0.0)) is not None  # it has fallen silent
 
 
+def test_an_estimator_that_has_failed_gives_no_state():
+    states, state = States(), np.concatenate([np.zeros(3), [1.0], np.zeros(9)])
+    assert states.hear(odometry(state, 1.0, quality=-1)) is None
+    assert states.hear(odometry(state, 1.1, quality=1)) is not None
+
+
 def test_frames_that_are_not_known_are_named():
     states = States()
     assert states.hear(odometry(np.concatenate([np.zeros(3), [1.0], np.zeros(9)]), 1.0, frame_id=21)) is None
@@ -146,6 +154,17 @@ def test_without_answers_or_with_those_of_another_clock_the_earliest_state_is_fr
     assert clock.now() - (ours[0] - 60.0 - 0.02) == pytest.approx(0.01)
 
 
+@given(lie=st.floats(-0.99, 0.0))
+def test_a_state_is_never_taken_for_one_that_is_still_to_come(lie):
+    ours = [100.0]
+    clock = OffsetClock(lambda: ours[0])
+    clock.stamped(40.0)
+    clock.answered(99.99, 40.0 + lie)
+    assert clock.now() >= 40.0
+    ours[0] += 0.3
+    assert clock.now() - 40.0 >= 0.3 - 1e-9  # nothing more has come: it grows old
+
+
 def test_a_clock_that_is_followed_never_goes_back():
     clock = FollowedClock()
     for stamp in (1.0, 3.0, 2.0):
@@ -169,6 +188,9 @@ def test_an_address_is_understood_with_whose_clock_counts(text):
         ("mavlink:127.0.0.1:14540", "mavlink:127.0.0.1:14540 is no address: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT or serial"),
         ("mavlink:udpin:127.0.0.1:0", "has no port from 1 to 65535"),
         ("mavlink:udpin:127.0.0.1:99999", "has no port from 1 to 65535"),
+        ("mavlink:serial:/dev/ttyACM0:0", "has no baud rate above 0"),
+        ("mavlink:udpout:there-is.invalid:14540", "there-is.invalid:14540 cannot be opened: "),
+        ("mavlink:udpin:[::1]:14540", "is no address: "),
         ("mavlink:udpin:127.0.0.1:1?fast", r"has an option that is not known: there is \?clock=vehicle"),
         ("mavlnk:udpin:127.0.0.1:1", "there is no vehicle named 'mavlnk:udpin:127.0.0.1:1'"),
         (

@@ -86,7 +86,10 @@ def test_a_heartbeat_is_sent_and_the_time_is_asked_and_answered(peer):
     assert answer.ts1 == 123
     assert answer.tc1 > 0
     assert "TIMESYNC is not answered" in peer.vehicle.remark
-    peer.say("timesync", round(1e9 * 50.0), round(1e9 * peer.vehicle._clock.ours()))
+    peer.say("timesync", round(1e9 * 70.0), heard["TIMESYNC"].ts1 + 1)  # an answer to somebody else
+    peer.let_read()
+    assert peer.vehicle.remark != ""
+    peer.say("timesync", round(1e9 * 50.0), heard["TIMESYNC"].ts1)
     peer.let_read()
     assert peer.vehicle.remark == ""
     assert peer.vehicle.now >= 50.0
@@ -159,6 +162,7 @@ def test_battery_and_ground_are_heard(peer):
 
 def test_what_others_say_is_not_heeded(peer):
     peer.meet()
+    peer.vehicle.request(Request.ENGAGE)
     peer.connection.mav.srcSystem = 7
     peer.state(1.0)
     peer.say("heartbeat", peer.messages.MAV_TYPE_QUADROTOR, PX4, CUSTOM | ARMED, 6 << 16, peer.messages.MAV_STATE_ACTIVE)
@@ -167,6 +171,51 @@ def test_what_others_say_is_not_heeded(peer):
     peer.state(2.0)
     seen = peer.vehicle.receive(RECEIVE)
     assert (seen.time, seen.armed) == (2.0, False)
+
+
+def test_a_ground_station_and_a_companion_say_nothing_about_the_vehicle(peer):
+    peer.meet(base=CUSTOM | ARMED)
+    messages = peer.messages
+    for system, component, kind, autopilot in ((255, 190, "MAV_TYPE_GCS", 8), (1, 191, "MAV_TYPE_ONBOARD_CONTROLLER", 8)):
+        peer.connection.mav.srcSystem, peer.connection.mav.srcComponent = system, component
+        peer.say("heartbeat", getattr(messages, kind), autopilot, 0, 0, messages.MAV_STATE_ACTIVE)
+        peer.state(50.0)
+    peer.connection.mav.srcSystem, peer.connection.mav.srcComponent = 1, 1
+    peer.say("command_ack", 400, messages.MAV_RESULT_DENIED, 0, 0, 255, 190)  # to the ground station
+    peer.state(2.0)
+    seen = peer.vehicle.receive(RECEIVE)
+    assert (seen.time, seen.armed, peer.vehicle.refusal) == (2.0, True, "")
+
+
+def test_who_follows_is_asked_often_whether_it_still_does(peer):
+    peer.meet(custom=AUTOPILOTS[PX4].custom_mode(Request.ENGAGE))
+    peer.vehicle._read(0.0)
+    assert peer.hear()["COMMAND_512"].param1 == peer.messages.MAVLINK_MSG_ID_HEARTBEAT
+    peer.vehicle._read(0.0)
+    assert "COMMAND_512" not in peer.hear()
+    peer.vehicle._asked_still -= 0.3
+    peer.vehicle._read(0.0)
+    assert "COMMAND_512" in peer.hear()
+
+
+@pytest.mark.parametrize("request_", [Request.LAND, Request.HOLD, Request.DISARM])
+def test_who_has_left_is_not_asked_to_stop_though_no_state_comes_that_says_so(peer, request_):
+    for followed in (True, False):
+        peer.meet(custom=AUTOPILOTS[PX4].custom_mode(Request.ENGAGE if followed else Request.HOLD), base=CUSTOM | ARMED)
+    peer.hear()
+    peer.vehicle.request(request_)
+    assert not {"COMMAND_176", "COMMAND_400"} & set(peer.hear())
+    assert peer.vehicle.refusal == "it no longer follows hotlap, and is left alone"
+    peer.vehicle.request(Request.ENGAGE)
+    assert "COMMAND_176" in peer.hear()
+
+
+def test_who_never_stops_talking_does_not_hold_up_a_flight(peer):
+    peer.meet()
+    peer.state(1.0)
+    read = peer.vehicle._read
+    peer.vehicle._read = lambda wait: read(wait) or True
+    assert peer.vehicle.receive(RECEIVE) is not None
 
 
 @contextmanager

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
@@ -19,7 +21,7 @@ from hotlap.api.outcome import Outcome
 from hotlap.api.progress import Progress
 from hotlap.api.scenarios import fitting, load, make_ready, make_scenario, planned_as, read_parameters
 from hotlap.api.wording import share
-from hotlap.core.errors import InputError
+from hotlap.core.errors import HotlapError, InputError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Flights, Scores
 from hotlap.core.seeds import Stream, flight_seeds
@@ -159,7 +161,7 @@ def carry_out(asked: Asked) -> LapResult:
         raise
     with speaker:
         if not asked.dry_run:
-            return _fly(flight, scenario, log)
+            return _fly(flight, scenario, log, speaker)
         try:
             flight.look(LOOKING)
         except Halt as halt:
@@ -167,33 +169,41 @@ def carry_out(asked: Asked) -> LapResult:
         return LapResult(scenario, link.name, None)
 
 
-def _fly(flight: RealFlight, scenario: Scenario, log: Path) -> LapResult:
+def _fly(flight: RealFlight, scenario: Scenario, log: Path, say: Callable[[str], None]) -> LapResult:
     """Fly, and write what was flown, however it ended."""
     try:
         flown = flight.fly()
     except BaseException as error:
         if flight.phase is not Phase.MEET:
-            written = "; its flight is in " + str(log) if _write(log, flight, scenario) else ""
-            error.add_note(f"the vehicle was asked to {flight.settings.on_stop}{written}")
+            written = _write(log, flight, scenario, say)
+            kept = "" if written is None else f"; its flight is in {written}"
+            asked = f"was asked to {flight.asked_to}" if flight.asked_to else "does not follow hotlap, and was not asked to stop"
+            error.add_note(f"the vehicle {asked}{kept}")
         raise
     if flown.halt is not None and flown.phase in {Phase.MEET, Phase.ENGAGE}:
         raise InputError("", "on", f"{flown.vehicle}: {flown.halt}")
-    written = _write(log, flight, scenario)
-    if flown.record.race_begun is None or flown.record.log(1).times[-1] <= 0:
-        return LapResult(scenario, flown.vehicle, flown, log=log if written else None)
-    read = read_hotlap_csv(log)
+    written = _write(log, flight, scenario, say)
+    if written is None or flown.record.race_begun is None or flown.record.log(1).times[-1] <= 0:
+        return LapResult(scenario, flown.vehicle, flown, log=written)
+    read = read_hotlap_csv(written)
     frame = find_frame(read, scenario)
     flights = judge_log(read, scenario, frame)
     ended = ending(scenario, flights, read, frame)
-    return LapResult(scenario, flown.vehicle, flown, flights, score(flights, scenario.race.judge), ended, log)
+    return LapResult(scenario, flown.vehicle, flown, flights, score(flights, scenario.race.judge), ended, written)
 
 
-def _write(log: Path, flight: RealFlight, scenario: Scenario) -> bool:
-    """Write the log of what was flown, if that is anything; whether it is."""
-    flown = len(flight.stream.record.seen) >= LEAST_ROWS
-    if flown:
-        write_log(log, flight.stream.record.log(scenario.race.vehicle.rotor_count))
-    return flown
+def _write(log: Path, flight: RealFlight, scenario: Scenario, say: Callable[[str], None]) -> Path | None:
+    """Write the log of what was flown, if that is anything; where it is. A flight is not lost over a disk that is full."""
+    if len(flight.stream.record.seen) < LEAST_ROWS:
+        return None
+    for place in (log, Path(tempfile.gettempdir()) / log.name):
+        try:
+            write_log(place, flight.stream.record.log(scenario.race.vehicle.rotor_count))
+        except (HotlapError, OSError) as error:
+            say(f"the log is not written: {error}")
+        else:
+            return place
+    return None
 
 
 def _settings(asked: Asked) -> FlightSettings:

@@ -1,4 +1,4 @@
-"""Stopping: Ctrl-C and SIGTERM end a command in order, once; a second one ends it at once."""
+"""Stopping: Ctrl-C, SIGTERM and a terminal that is closed end a command in order, once; a second one ends it at once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+HANGUP = getattr(signal, "SIGHUP", None)  # Windows has none
+SIGNALS = (signal.SIGINT, signal.SIGTERM, *([] if HANGUP is None else [HANGUP]))
 AGAIN = 0.02  # s after which a signal that was dropped comes again
 
 
@@ -45,7 +46,7 @@ def stopped_by_signals() -> Iterator[None]:
     def stop(number: int, _: FrameType | None) -> NoReturn:
         """The first signal stops the work in good order, a second one at once."""
         received.append(number)
-        _restore(dict.fromkeys(SIGNALS, signal.SIG_DFL))
+        _restore(dict.fromkeys(before, signal.SIG_DFL))
         raise Stopped(number)
 
     def dropped(told: sys.UnraisableHookArgs) -> None:
@@ -53,13 +54,13 @@ def stopped_by_signals() -> Iterator[None]:
         if not isinstance(told.exc_value, Stopped):
             hook(told)
             return
-        _restore(dict.fromkeys(SIGNALS, stop))
+        _restore(dict.fromkeys(before, stop))
         again = threading.Timer(AGAIN, signal.pthread_kill, (threading.main_thread().ident, told.exc_value.signal))
         again.daemon = True
         again.start()
 
     hook, sys.unraisablehook = sys.unraisablehook, dropped
-    before = {number: signal.signal(number, stop) for number in SIGNALS}
+    before = {number: signal.signal(number, stop) for number in SIGNALS if not _outlives(number)}
     try:
         yield
     except Exception as error:
@@ -82,6 +83,11 @@ def remark(text: str) -> Iterator[None]:
     except BaseException as error:
         error.add_note(text)
         raise
+
+
+def _outlives(number: int) -> bool:
+    """Whether the command is to go on without its terminal, as `nohup` has it."""
+    return number == HANGUP and signal.getsignal(number) is signal.SIG_IGN
 
 
 def _restore(handlers: dict[signal.Signals, Any]) -> None:

@@ -59,9 +59,9 @@ class OffsetClock:
         return bool(self._answers) and (math.isinf(self._earliest) or abs(min(self._answers)[1] - self._earliest) < WITHIN)
 
     def now(self) -> float:
-        """Ours and the offset; 0 before anything is known."""
+        """Ours and the offset, which is no less than the earliest state shows; 0 before anything is known."""
         if self.is_synchronised:
-            return self._clock() + min(self._answers)[1]
+            return self._clock() + max(min(self._answers)[1], self._earliest)
         return self._clock() + self._earliest if math.isfinite(self._earliest) else 0.0
 
     def ours(self) -> float:

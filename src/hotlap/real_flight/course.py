@@ -16,6 +16,7 @@ from hotlap.reference.scenario import Scenario
 
 LIFTED = 0.1  # m above the ground, where it is known to have taken off
 CLIMBS = 0.3  # m below the start, from which it climbs first
+FAR = 30.0  # m to the start at most, where no geofence is given: that around the path would go wherever a wrong origin leads
 ABOVE_GROUND = 1.5  # m of a start whose track has no floor, where the race is placed above the vehicle
 
 
@@ -69,8 +70,12 @@ class Course:
             stands: whether it is on the ground.
 
         Raises:
-            InputError: the flight leaves the geofence.
+            InputError: the flight leaves the geofence, or the start is far away.
         """
+        away = float(np.linalg.norm(state[:3] - self.start))
+        if away > FAR and not self._settings.geofence:
+            told = f"the start of the race is {away:.0f} m from the vehicle: does the race lie there? A geofence that is given allows it"
+            raise InputError("", "origin", told)
         here = state[:3].copy()
         if stands:
             here[2] += LIFTED

@@ -9,7 +9,8 @@
     land     the autopilot does
 
 All steps go by the vehicle's own times. Whatever stops a flight, the vehicle is asked for `on_stop`, and no setpoint is sent any more;
-where it no longer follows hotlap it is asked for nothing. The autopilot's own failsafe for setpoints that cease is the last line.
+where it does not follow hotlap it is asked for nothing: a pilot, or its own landing, has it. The autopilot's own failsafe for setpoints
+that cease is the last line.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from hotlap.core.errors import HotlapError, InputError
 from hotlap.core.parameters import Parameters
 from hotlap.core.records import Floats
 from hotlap.real_flight.course import Course
-from hotlap.real_flight.guard import Halt, Reason
+from hotlap.real_flight.guard import Halt, Reason, check_usable
 from hotlap.real_flight.legs import Along, TakeOff
 from hotlap.real_flight.link import Link, Request, Seen
 from hotlap.real_flight.order import Order
@@ -38,6 +39,7 @@ MEETING, SLOWEST = 1.0, 2.5  # s over which states are counted; control periods 
 ASKING = 0.5  # s between requests
 ANSWER, REFUSING = 8.0, 2.5  # s until a request has to be fulfilled, and from which on a refusal is an answer
 IDLE = 1.2  # s of setpoints before an autopilot is asked to follow them; PX4 wants a second
+MOVED = 1.0  # m from where it was met to where it follows, at most: the way to the start begins there
 HANDING_OVER = 1.0  # s for which the controller that brakes heeds that of the race
 STEADY, STEADY_FOR, UNSTEADY = (0.15, 0.15), 1.5, 20.0  # (m, m/s) and s: hovering is steady; s until it has to be
 STANDING = 1.0  # s at the end of braking
@@ -61,6 +63,7 @@ class RealFlight:
         phase: what is being done.
         stream: states and commands.
         thrust_map: what hovering has taught.
+        asked_to: what it was asked for when something stopped the flight; None: nothing.
 
     Raises:
         InputError: the race cannot be flown from hovering, or settings are none.
@@ -74,7 +77,8 @@ class RealFlight:
         self._place, self._course = read_place(settings.origin), Course(scenario, parameters, settings, steers=link.takes_throttle)
         self.thrust_map = ThrustMap(model.max_acceleration, settings.curve, with_battery=settings.with_battery)
         self.phase, self.stream = Phase.MEET, Stream(link, self._period, self.thrust_map, self._place or Place(np.zeros(3)))
-        self._spoke = -math.inf
+        self._spoke, self._asked_to_follow = -math.inf, False
+        self.asked_to: Request | None = None
 
     def fly(self) -> Flown:
         """Fly it.
@@ -82,7 +86,7 @@ class RealFlight:
         Raises:
             LinkError: there is no vehicle.
             InputError: where it stands, or what it sends, does not do.
-            KeyboardInterrupt: by the user; the vehicle has been asked to stop.
+            KeyboardInterrupt: by the user; the vehicle has been asked to stop, see `asked_to`.
         """
         halt, vehicle = None, ""
         try:
@@ -161,7 +165,7 @@ class RealFlight:
 
         Raises:
             InputError: states are too few.
-            Halt: there are none.
+            Halt: there are none, or they cannot be flown with.
         """
         counted: list[Seen] = []
         for seen in self.stream.received(self.settings.wait + MEETING, math.inf):
@@ -178,6 +182,7 @@ class RealFlight:
         if spacing > SLOWEST * self._period:
             needed = f"{1 / self._period:.0f} are wanted (controller.period), {1 / (SLOWEST * self._period):.0f} are needed"
             raise InputError("", "on", f"{self._link.name} sends {1 / spacing:.0f} states in a second: {needed}")
+        check_usable(seen)
         if self._place is None:
             self.stream.place = self._course.above(seen.state)
         return self.stream.place.seen(seen)
@@ -186,16 +191,19 @@ class RealFlight:
         """Let the vehicle follow setpoints, and arm it.
 
         Raises:
-            Halt: it refuses, or does not answer.
+            Halt: it refuses, does not answer, is disarmed, or has moved meanwhile.
         """
         self._begin(Phase.ENGAGE)
         idle, stands, guard = Order(0.0, np.zeros(3), seen.state, np.zeros(3), NOTHING), _stands(seen), self.stream.guard
-        guard.armed = not stands
+        guard.armed = seen.armed or not stands
         begun = asked = self._link.now
         for state in self.stream.states():
             self.stream.send(state, idle if stands else approach.order(state))
-            guard.engaged = guard.engaged or state.engaged
+            guard.engaged, guard.armed = guard.engaged or state.engaged, guard.armed or state.armed
             if state.engaged and state.armed:
+                moved = float(np.linalg.norm(state.state[:3] - seen.state[:3]))
+                if moved > MOVED:
+                    raise Halt(Reason.JUMP, f"it is {moved:.1f} m from where it was met")
                 break
             if state.now - begun < IDLE or state.now - asked < ASKING:
                 continue
@@ -207,8 +215,7 @@ class RealFlight:
             if wanted is Request.ARM and not self.settings.arm:
                 raise Halt(Reason.DISARMED, "and hotlap arms only when that is asked for")
             self._link.request(wanted)
-            asked = state.now
-        guard.armed = True
+            self._asked_to_follow, asked = True, state.now
         approach.begin(self._link.now)
 
     def _take_off(self, seen: Seen, approach: Along) -> None:
@@ -226,6 +233,8 @@ class RealFlight:
                 approach.begin(state.now)
                 self.stream.follow(state, approach)
                 return
+            if leg.has_tipped(state):
+                raise Halt(Reason.NOT_LIFTED, "it tips over")
             throttle = self.stream.send(state, leg.order(state))  # not recorded: the ground carries it
             if leg.has_failed(state):
                 raise Halt(Reason.NOT_LIFTED, f"with {100 * throttle:.0f} % of the throttle")
@@ -240,7 +249,6 @@ class RealFlight:
         since, first, thrusts = self._link.now, 0.0, list[float]()
         for seen in self.stream.states():
             order = self.stream.follow(seen, leg)
-            self.stream.guard.check_distance(seen, order.reference)
             distance, speed = (float(np.linalg.norm(part)) for part in (seen.state[:3] - self._course.start, seen.state[7:10]))
             self._tell(seen, f"{distance:.2f} m from the start, {speed:.2f} m/s")
             if distance > STEADY[0] or speed > STEADY[1]:
@@ -285,7 +293,6 @@ class RealFlight:
             order = self.stream.follow(seen, race if time < end else braking)
             if end - HANDING_OVER <= time < end:
                 braking.heed(seen, order)
-            self.stream.guard.check_distance(seen, order.reference)
             self._tell(seen, f"{time:.1f} of {end:.1f} s" if time < end else "braking")
             if time >= race.duration - STANDING:
                 return
@@ -330,11 +337,23 @@ class RealFlight:
             self._say(f"{self.phase}: {words}")
 
     def _stop(self, reason: Reason) -> None:
-        """Ask the vehicle to stop, unless nothing was begun or it is not ours."""
-        if self.phase is Phase.MEET or reason in {Reason.TAKEN_OVER, Reason.DISARMED}:
+        """Ask the vehicle to stop, unless it is not ours."""
+        if not self._is_ours(reason):
             return
-        self._say(f"stopping: {self.settings.on_stop}")
-        self.stream.stop(self.settings.on_stop)
+        self.asked_to = Request.LAND if self.phase is Phase.LAND else self.settings.on_stop  # who lands is not stopped in the air
+        self._say(f"stopping: {self.asked_to}")
+        self.stream.stop(self.asked_to)
+        if self._link.refusal:
+            self._say(f"note: {self._link.refusal}")
+
+    def _is_ours(self, reason: Reason) -> bool:
+        """Whether the vehicle follows hotlap, or is about to; whoever else flies it must not be disturbed."""
+        last = self.stream.guard.last
+        if self.phase is Phase.MEET or reason in {Reason.TAKEN_OVER, Reason.DISARMED}:
+            return False
+        if last is not None and last.engaged:
+            return True
+        return self.phase is Phase.ENGAGE and self._asked_to_follow and reason is not Reason.REFUSED
 
 
 def _stands(seen: Seen) -> bool:

@@ -15,7 +15,7 @@ from hotlap.real_flight.link import Seen
 STALE = 0.25  # s: the oldest state that is flown with; a controller predicts no further
 LOOK_AHEAD = 0.1  # s beyond its age, over which a state is carried on before it is compared with the geofence
 JUMP = 1.0  # m by which a position may differ from that which the one before leads to
-LONGEST_STEP = 0.5  # s over which that is known
+LONGEST_STEP = 0.5  # s from one state to the next at most; nothing was stale, so more is a clock that has leapt
 
 
 class Reason(StrEnum):
@@ -24,7 +24,9 @@ class Reason(StrEnum):
     LINK = "the link was lost"
     STALE = "the state is too old"
     NUMBERS = "the state is not a number"
+    COMMAND = "the command is not a number"
     JUMP = "the position has jumped"
+    TIME = "the vehicle's time has leapt"
     FENCE = "it reached the geofence"
     STRAYED = "it strayed from the reference"
     TAKEN_OVER = "it no longer follows hotlap: a pilot or the autopilot has taken over"
@@ -73,14 +75,11 @@ class Guard:
         Raises:
             Halt: a limit is passed.
         """
-        if not np.isfinite(seen.state).all() or not 0.9 < float(np.linalg.norm(seen.state[3:7])) < 1.1:
-            raise Halt(Reason.NUMBERS)
-        if seen.age > STALE:
-            raise Halt(Reason.STALE, f"{seen.age:.2f} s")
         if self.engaged and not seen.engaged:
-            raise Halt(Reason.TAKEN_OVER)
+            raise Halt(Reason.TAKEN_OVER)  # first: whatever else is wrong, it is the pilot's now
         if self.armed and not seen.armed:
             raise Halt(Reason.DISARMED)
+        check_usable(seen)
         if self.armed:
             self._check_jump(seen)
             ahead = seen.state[:3] + (max(seen.age, 0.0) + LOOK_AHEAD) * seen.state[7:10]
@@ -100,14 +99,28 @@ class Guard:
 
     def _check_jump(self, seen: Seen) -> None:
         before = self.last
-        if before is None or not 0 < seen.time - before.time < LONGEST_STEP:
+        if before is None or seen.time <= before.time:
             return
+        if seen.time - before.time > LONGEST_STEP:
+            raise Halt(Reason.TIME, f"by {seen.time - before.time:.2f} s")
         if seen.resets != before.resets:
             raise Halt(Reason.JUMP, "the autopilot has reset its estimate")
         led = before.state[:3] + (seen.time - before.time) * (before.state[7:10] + seen.state[7:10]) / 2
         jump = float(np.linalg.norm(seen.state[:3] - led))
         if jump > JUMP:
             raise Halt(Reason.JUMP, f"by {jump:.1f} m")
+
+
+def check_usable(seen: Seen) -> None:
+    """Look at whether a state can be flown with, wherever it is.
+
+    Raises:
+        Halt: it is not of numbers, or too old.
+    """
+    if not np.isfinite(seen.state).all() or not 0.9 < float(np.linalg.norm(seen.state[3:7])) < 1.1:
+        raise Halt(Reason.NUMBERS)
+    if seen.age > STALE:
+        raise Halt(Reason.STALE, f"{seen.age:.2f} s")
 
 
 def _place(point: Floats) -> str:

@@ -18,6 +18,7 @@ from hotlap.reference.scenario import Scenario
 
 FIRST, LAST, RAMP = 0.3, 1.8, 0.25  # g, g, g/s: the ramp of a take-off
 LEVELLING, LARGEST_RATE = 3.0, 0.6  # 1/s, rad/s: on the ground, where a rate loop has nothing to turn
+TIPPED = 0.35  # rad from how it stood, on the ground
 RISEN, RISING = 0.05, 0.15  # m, m/s: a drone that has taken off
 
 
@@ -151,6 +152,10 @@ class TakeOff:
     def has_lifted(self, seen: Seen) -> bool:
         """Whether it has left the ground."""
         return bool(seen.state[2] - self._ground[2] > RISEN and seen.state[9] > RISING)
+
+    def has_tipped(self, seen: Seen) -> bool:
+        """Whether something holds it on one side, so that it falls over."""
+        return float(thrust_axis(seen.state[3:7]) @ thrust_axis(self._ground[3:7])) < math.cos(TIPPED)
 
     def has_failed(self, seen: Seen) -> bool:
         """Whether the ramp has ended, and it still stands."""

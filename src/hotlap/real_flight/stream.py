@@ -79,17 +79,39 @@ class Stream:
         raise Halt(Reason.STALE, f"too few came within {most:.0f} s")
 
     def follow(self, seen: Seen, leg: Leg) -> Order:
-        """Compute a command, send it, and record it."""
+        """Compute a command, record it, and send it.
+
+        Raises:
+            Halt: it is no number, or the vehicle is too far from the reference; then it is not sent.
+        """
         order = leg.order(seen)
-        self.record.add(seen, order, self.send(seen, order))
+        throttle = self._checked(order)
+        self.record.add(seen, order, throttle)
+        self.guard.check_distance(seen, order.reference)
+        self._send(seen, order, throttle)
         return order
 
     def send(self, seen: Seen, order: Order) -> float:
-        """Send a command; gives its throttle."""
+        """Send a command that follows no reference; gives its throttle.
+
+        Raises:
+            Halt: it is no number; then it is not sent.
+        """
+        throttle = self._checked(order)
+        self._send(seen, order, throttle)
+        return throttle
+
+    def _checked(self, order: Order) -> float:
+        """The throttle of a command all of whose parts that the vehicle is told are numbers."""
         throttle = self.throttle(order)
+        steered = [order.thrust, throttle, *order.rates] if self._link.takes_throttle else []
+        if not np.isfinite([*steered, *order.reference, *order.acceleration]).all():
+            raise Halt(Reason.COMMAND)
+        return throttle
+
+    def _send(self, seen: Seen, order: Order, throttle: float) -> None:
         told, acceleration = self.place.told(order.reference), self.place.turned(order.acceleration)
         self._link.send(Setpoint(seen.now, order.thrust, throttle, order.rates, told, acceleration, order.race_time))
-        return throttle
 
     def throttle(self, order: Order) -> float:
         """What is told for the thrust of a command [-]; NaN where the vehicle is told a full state."""

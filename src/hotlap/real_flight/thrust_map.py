@@ -15,7 +15,7 @@ from hotlap.core.errors import HotlapError
 
 GAIN_LIMITS = (0.5, 2.0)  # of the thrust that hovering shows over that of the file: beyond them the file is of another drone
 SMOOTHING = 0.5  # s, time constant of the voltage
-VOLTAGE_LIMITS = (0.8, 1.25)  # of the voltage over that in hover: beyond them the sensor is wrong
+VOLTAGE_LIMITS = (0.75, 1.2)  # of a voltage over the first: beyond them the sensor is wrong, and is not believed
 LEAST_VOLTAGE = 1.0  # V: less is no battery
 
 
@@ -39,8 +39,9 @@ class ThrustMap:
         self._time = -math.inf
 
     def hear(self, time: float, voltage: float) -> None:
-        """Take in a voltage [V] at a time [s]; NaN, or what is no voltage, teaches nothing."""
-        if not voltage > LEAST_VOLTAGE:
+        """Take in a voltage [V] at a time [s]; NaN, or what is no voltage of this battery, teaches nothing."""
+        low, high = VOLTAGE_LIMITS
+        if not voltage > LEAST_VOLTAGE or not (math.isnan(self._first_voltage) or low <= voltage / self._first_voltage <= high):
             return
         if math.isnan(self._voltage):
             self._voltage = self._first_voltage = voltage
@@ -50,12 +51,11 @@ class ThrustMap:
 
     def throttle(self, thrust: float) -> float:
         """The throttle [-], 0 to 1, that gives a thrust per mass [m/s^2]."""
-        share = thrust / (self.full * self._voltage_share**2)
+        share = min(thrust / (self.full * self._voltage_share**2), 1.0)
         if not share > 0:
             return 0.0
         c = self._curve
-        root = share if c < 1e-9 else (math.sqrt((1 - c) ** 2 + 4 * c * share) - (1 - c)) / (2 * c)
-        return min(root, 1.0)
+        return min(2 * share / (math.sqrt((1 - c) ** 2 + 4 * c * share) + (1 - c)), 1.0)  # the root, exact for a small c too
 
     def correct(self, gain: float) -> None:
         """Take in what hovering has shown.
@@ -82,5 +82,4 @@ class ThrustMap:
         """Voltage over that at which `full` is known [-]."""
         if not self._with_battery or math.isnan(self._voltage):
             return 1.0
-        low, high = VOLTAGE_LIMITS
-        return min(max(self._voltage / self._first_voltage, low), high)
+        return self._voltage / self._first_voltage

@@ -43,6 +43,8 @@ def address_of(text: str) -> Address:
         raise InputError("", "on", f"mavlink:{text} has an option that is not known: there is ?{CLOCK}")
     serial, network = _SERIAL.fullmatch(place), _NETWORK.fullmatch(place)
     if serial is not None:
+        if not int(serial[2]):
+            raise InputError("", "on", f"mavlink:{text} has no baud rate above 0")
         return Address(text, serial[1], int(serial[2]), bool(option))
     if network is None:
         raise InputError("", "on", f"mavlink:{text} is no address: {FORMS}")

@@ -18,8 +18,8 @@ WORLDS = (LOCAL_NED, LOCAL_FRD)
 
 
 def state_of_odometry(message: Any) -> Floats | None:
-    """The state of an ODOMETRY message, shape (13,); None: its frames are not known here."""
-    if message.frame_id not in WORLDS or message.child_frame_id not in (*WORLDS, BODY_FRD):
+    """The state of an ODOMETRY message, shape (13,); None: its frames are not known here, or the velocity is in another world."""
+    if message.frame_id not in WORLDS or message.child_frame_id not in (message.frame_id, BODY_FRD):
         return None
     attitude = turn_attitude([message.q])[0]
     velocity = np.array([message.vx, message.vy, message.vz]) * HALF_TURN

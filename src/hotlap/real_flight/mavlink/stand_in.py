@@ -253,6 +253,10 @@ class StandIn:
             elif not self.silent:
                 self._send("timesync", self._nanoseconds, message.ts1)
             return
+        if message.get_type() == "COMMAND_LONG" and message.command == self._messages.MAV_CMD_REQUEST_MESSAGE:
+            if not self.silent:
+                self._send(*self._heartbeat)
+            return
         setpoint = message.get_type() == "SET_ATTITUDE_TARGET"
         if setpoint and self._random.random() < self.weather.loss:
             return

@@ -45,6 +45,8 @@ class States:
         kind = message.get_type()
         if kind == "ODOMETRY":
             stamp, state = 1e-6 * message.time_usec, state_of_odometry(message)
+            if message.quality < 0:
+                return None  # the estimator has failed, and says so
             if state is None:
                 self.unknown_frames = f"{message.frame_id} and {message.child_frame_id}"
                 return None

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import select
 import time
-from contextlib import suppress
+from collections import deque
 from typing import Any
 
 from hotlap.core.records import Floats
@@ -23,12 +22,16 @@ from hotlap.real_flight.mavlink.autopilots import (
     THRUST_AS_THRUST,
 )
 from hotlap.real_flight.mavlink.frames import rates_told
+from hotlap.real_flight.mavlink.line import Line, Sender
 from hotlap.real_flight.mavlink.package import connect
 from hotlap.real_flight.mavlink.states import States
 
 OUR_SYSTEM, OUR_COMPONENT = 245, 191  # until the vehicle's system is known; an onboard computer
 PATIENCE, PATIENCE_FOLLOWED = 0.3, 10.0  # s of silence; a simulation may take its time
 BEAT, ASK = 1.0, 0.5  # s between heartbeats, and between questions about the time
+STILL = 0.2  # s between questions whether it still follows, for an autopilot says so once a second only
+DRAINING = 0.05  # s for which what has come meanwhile is read before the newest state is flown with
+QUESTIONS = 20  # about the time, that an answer may be to
 HEARTBEATS = 3.0  # s without one of the vehicle's: it is lost, whatever else comes
 ASK_AGAIN = 1.0  # s between requests for messages
 RATES_ONLY = 128  # ATTITUDE_TARGET_TYPEMASK: the attitude is to be ignored
@@ -36,6 +39,7 @@ FORCED = 21196.0  # what lets motors be stopped in flight
 NOWHERE = (1.0, 0.0, 0.0, 0.0)
 VOLTAGE_UNKNOWN = 65535  # mV
 WARNING = 4  # MAV_SEVERITY: worse ones are smaller
+STOPS = (Request.LAND, Request.HOLD, Request.DISARM)
 SLOW = {245: 5.0, 1: 2.0}  # [1/s] EXTENDED_SYS_STATE, SYS_STATUS
 
 
@@ -58,17 +62,21 @@ class MavlinkVehicle:
         self.name, self._period, self._follows = f"mavlink:{address.text}", period, address.follows_clock
         self.patience = PATIENCE_FOLLOWED if self._follows else PATIENCE
         self._mute = mute
-        self._connection, self._messages = connect(address, OUR_SYSTEM, OUR_COMPONENT)
+        connection, self._messages = connect(address, OUR_SYSTEM, OUR_COMPONENT)
+        self._line = Line(connection, self._messages)
         self._clock: VehicleClock = FollowedClock() if self._follows else OffsetClock()
         self._states, self._fresh = States(), list[tuple[float, Any]]()
         self._target, self._autopilot, self._kind = (0, 0), AUTOPILOTS[ARDUPILOT], 0
-        self._armed, self._engaged, self._on_ground, self._voltage = False, False, None, math.nan
+        self._sender: Sender = None
+        self._rival, self._questions = "", deque[int](maxlen=QUESTIONS)
+        self._armed, self._engaged, self._left, self._on_ground, self._voltage = False, False, False, None, math.nan
         self._heard = self._heartbeat = time.monotonic()
-        self._beaten = self._asked = -math.inf
+        self._beaten = self._asked = self._asked_still = -math.inf
         self._refusal, self._complaint, self._options = "", "", math.nan
 
     def open(self, wait: float) -> str:
         """Wait for a heartbeat, ask for states, and see that ArduPilot takes thrust for thrust."""
+        self._line.forget()
         end = time.monotonic() + wait
         while not self._kind:
             self._read(0.05)
@@ -84,6 +92,7 @@ class MavlinkVehicle:
             self._read(0.05)
             if time.monotonic() > end:
                 raise LinkError(self._missing())
+        self._check_alone()
         if asks and not int(self._options) & THRUST_AS_THRUST:
             told = f"{GUIDED_OPTIONS} is {int(self._options)}: set its bit 3 (+{THRUST_AS_THRUST})"
             raise LinkError(f"{told}, else ArduPilot takes the thrust on {self.name} for a climb rate")
@@ -97,8 +106,10 @@ class MavlinkVehicle:
             if left < 0 or self._clock.now() - begun > wait:
                 return None
             self._read(left)
-        while not self._follows and self._read(0.0):
+        end = time.monotonic() + DRAINING
+        while not self._follows and time.monotonic() < end and self._read(0.0):
             pass  # whatever has come meanwhile, so that no old state is flown with
+        self._check_alone()
         stamp, state = self._fresh[-1]
         self._fresh.clear()
         age = max(self._clock.now() - stamp, 0.0)
@@ -139,8 +150,12 @@ class MavlinkVehicle:
         self._write("set_attitude_target", stamp, *self._target, RATES_ONLY, NOWHERE, *rates_told(setpoint.rates), setpoint.throttle)
 
     def request(self, request: Request) -> None:
-        """A mode, or COMPONENT_ARM_DISARM."""
+        """A mode, or COMPONENT_ARM_DISARM; who has followed and no longer does is not asked to stop: it is a pilot's now."""
         self._refusal = self._complaint = ""
+        self._line.only_kept = True
+        if self._left and request in STOPS:
+            self._refusal = "it no longer follows hotlap, and is left alone"
+            return
         if request in self._autopilot.modes:
             main, sub = self._autopilot.modes[request]
             self._command(self._messages.MAV_CMD_DO_SET_MODE, CUSTOM, main, sub)
@@ -151,27 +166,19 @@ class MavlinkVehicle:
 
     def close(self) -> None:
         """Close the connection."""
-        with suppress(OSError):
-            self._connection.close()
+        self._line.close()
 
     def _read(self, wait: float) -> bool:
         """Take in one message, if there is one within so many seconds; do besides what is due."""
         self._keep_up()
-        message = self._next()
-        if message is None and wait > 0:
-            with suppress(OSError, ValueError):
-                select.select([self._connection.fd], [], [], min(wait, BEAT / 4))
-            message = self._next()
-        if message is None:
+        heard = self._line.receive()
+        if heard is None and wait > 0:
+            self._line.wait(min(wait, BEAT / 4))
+            heard = self._line.receive()
+        if heard is None:
             return False
-        self._hear(message)
+        self._hear(*heard)
         return True
-
-    def _next(self) -> Any:
-        try:
-            return self._connection.recv_msg()
-        except OSError:
-            return None  # a line that is gone is silent
 
     def _keep_up(self) -> None:
         """Send a heartbeat, and ask for the time, where that is due."""
@@ -182,14 +189,18 @@ class MavlinkVehicle:
             self._write("heartbeat", self._messages.MAV_TYPE_ONBOARD_CONTROLLER, self._messages.MAV_AUTOPILOT_INVALID, 0, 0, active)
         if self._kind and (now - self._asked >= ASK or now < self._asked):
             self._asked = now
-            self._write("timesync", 0, round(1e9 * self._clock.ours()))
+            self._questions.append(round(1e9 * self._clock.ours()))
+            self._write("timesync", 0, self._questions[-1])
+        if self._engaged and (now - self._asked_still >= STILL or now < self._asked_still):
+            self._asked_still = now
+            self._command(self._messages.MAV_CMD_REQUEST_MESSAGE, self._messages.MAVLINK_MSG_ID_HEARTBEAT)
 
-    def _hear(self, message: Any) -> None:
-        """Take in a message of the vehicle's; of others nothing counts."""
+    def _hear(self, message: Any, sender: Sender) -> None:
+        """Take in a message of the vehicle's; of others nothing counts, but that they are there."""
         kind = message.get_type()
-        if kind == "HEARTBEAT" and not self._kind:
-            self._meet(message)
-        if (message.get_srcSystem(), message.get_srcComponent()) != self._target or not self._kind:
+        if kind == "HEARTBEAT":
+            self._meet(message, sender)
+        if not self._kind or (sender, message.get_srcSystem(), message.get_srcComponent()) != (self._sender, *self._target):
             return
         self._heard = time.monotonic()
         if kind == "TIMESYNC":
@@ -197,7 +208,9 @@ class MavlinkVehicle:
         elif kind == "HEARTBEAT":
             self._heartbeat = self._heard
             self._armed = bool(message.base_mode & ARMED)
+            before = self._engaged
             self._engaged = bool(message.base_mode & CUSTOM) and self._autopilot.is_engaged(message.custom_mode)
+            self._left = not self._engaged and (before or self._left)
         elif kind == "EXTENDED_SYS_STATE":
             self._on_ground = {1: True, 2: False, 3: False, 4: False}.get(message.landed_state)
         elif kind == "SYS_STATUS":
@@ -205,8 +218,8 @@ class MavlinkVehicle:
         elif kind == "COMMAND_ACK":
             self._hear_answer(message)
         elif kind == "STATUSTEXT" and message.severity <= WARNING:
-            self._complaint = str(message.text).strip()
-        elif kind == "PARAM_VALUE" and message.param_id == GUIDED_OPTIONS:
+            self._complaint = " ".join(str(message.text).split())
+        elif kind == "PARAM_VALUE" and message.param_id == GUIDED_OPTIONS and math.isfinite(message.param_value):
             self._options = float(message.param_value)
         else:
             made = self._states.hear(message)
@@ -214,25 +227,40 @@ class MavlinkVehicle:
                 self._clock.stamped(made[0])
                 self._fresh.append(made)
 
-    def _meet(self, message: Any) -> None:
-        """The first heartbeat of an autopilot that is known here."""
+    def _meet(self, message: Any, sender: Sender) -> None:
+        """A heartbeat of an autopilot that is known here: the first is the vehicle's; that of another one is no good sign."""
         if message.autopilot not in AUTOPILOTS or message.type not in COPTERS:
             return
-        self._kind, self._autopilot = message.autopilot, AUTOPILOTS[message.autopilot]
-        self._target = message.get_srcSystem(), message.get_srcComponent()
-        self._connection.mav.srcSystem = self._target[0]  # as a part of the vehicle
+        target = message.get_srcSystem(), message.get_srcComponent()
+        if not self._kind:
+            self._kind, self._autopilot = message.autopilot, AUTOPILOTS[message.autopilot]
+            self._target, self._sender = target, sender
+            self._line.keep(sender, target[0])  # as a part of the vehicle
+        elif (sender, target) != (self._sender, self._target):
+            self._rival = _called(target, sender)
+
+    def _check_alone(self) -> None:
+        """Look at whether it is clear who is to be flown, before anything is asked for.
+
+        Raises:
+            LinkError: there are two.
+        """
+        if self._rival and not self._line.only_kept:
+            both = f"{_called(self._target, self._sender)} and {self._rival}"
+            raise LinkError(f"two vehicles are heard on {self.name}: {both}; give each a port of its own")
 
     def _hear_time(self, message: Any) -> None:
         """A question about the time is answered; an answer is compared."""
         if message.tc1 == 0:
             self._clock.told(1e-9 * message.ts1)
             self._write("timesync", max(round(1e9 * self._clock.ours()), 1), message.ts1)
-        else:
+        elif message.ts1 in self._questions:
             self._clock.answered(1e-9 * message.ts1, 1e-9 * message.tc1)
 
     def _hear_answer(self, message: Any) -> None:
         modes = {self._messages.MAV_CMD_DO_SET_MODE: "mode", self._messages.MAV_CMD_COMPONENT_ARM_DISARM: "arming"}
-        if message.command in modes and message.result not in {0, 5}:
+        for_us = message.target_system in {0, self._line.system} and message.target_component in {0, OUR_COMPONENT}
+        if for_us and message.command in modes and message.result not in {0, 5}:
             result = RESULTS[message.result] if message.result < len(RESULTS) else f"answered {message.result}"
             self._refusal = f"{modes[message.command]} {result}"
 
@@ -258,8 +286,11 @@ class MavlinkVehicle:
         self._write("command_long", *self._target, command, 0, *values, *[0.0] * (7 - len(values)))
 
     def _write(self, kind: str, *values: Any) -> None:
-        """Send a message; a line that is gone takes none."""
-        if self._mute and kind != "heartbeat":
-            return
-        with suppress(OSError):
-            getattr(self._connection.mav, f"{kind}_send")(*values)
+        """Send a message, unless this end is mute."""
+        if not self._mute or kind == "heartbeat":
+            self._line.send(kind, *values)
+
+
+def _called(target: tuple[int, int], sender: Sender) -> str:
+    """A vehicle in words."""
+    return f"system {target[0]}{'' if sender is None else f' at {sender[0]}:{sender[1]}'}"
