@@ -24,7 +24,7 @@ COMMANDS = {
     "import": [str(ROOT / "tests" / "importers" / "samples" / "mrs.yaml")],
     "identify": ["flight.csv", "--quadrotor", "hummingbird"],
     "plan": ["circle-34"],
-    "tune": ["circle-34", "--validation", "10", "--out", "study"],
+    "tune": ["circle-34", "--validation", "10", "--hold", "thrust=-40%", "--out", "study"],
     "fly": ["circle-34", "--flights", "2"],
     "export": ["study", "--format", "csv"],
     "report": ["study"],
