@@ -42,7 +42,7 @@ def run(notebook: dict[str, Any]) -> Iterator[tuple[Cell, list[Output]]]:
         Each cell of code, and what it gives.
     """
     space: dict[str, Any] = {"__name__": "__main__"}
-    with tempfile.TemporaryDirectory() as folder, chdir(folder), pd.option_context("display.width", WIDTH):
+    with tempfile.TemporaryDirectory() as folder, chdir(folder), pd.option_context("display.width", WIDTH, "display.max_columns", None):
         for i, cell in enumerate(code_cells(notebook), start=1):
             yield cell, _outputs("".join(cell["source"]), space, i)
 

@@ -67,14 +67,19 @@ def run(words: tuple[str, ...]) -> str:
     from hotlap.cli import main  # noqa: PLC0415  reading a page takes none of it
 
     program, *arguments = words
+    before = os.environ.get("COLUMNS")
     os.environ["COLUMNS"] = str(COLUMNS)
-    with contextlib.redirect_stdout(io.StringIO()) as output:
-        if program == "python":
-            runpy.run_path(arguments[0], run_name="__main__")
-            return output.getvalue()
-        if program != "hotlap" or (status := main(arguments)):
-            raise CommandError(f"{shlex.join(words)}: {f'exit status {status}' if program == 'hotlap' else 'not run here'}")
-    return output.getvalue()
+    try:
+        with contextlib.redirect_stdout(io.StringIO()) as output:
+            if program == "python":
+                runpy.run_path(arguments[0], run_name="__main__")
+            elif program != "hotlap":
+                raise CommandError(f"{shlex.join(words)}: not run here")
+            elif status := main(arguments):
+                raise CommandError(f"{shlex.join(words)}: exit status {status}")
+        return output.getvalue()
+    finally:
+        os.environ.pop("COLUMNS") if before is None else os.environ.update(COLUMNS=before)
 
 
 def outline(printed: str) -> list[str]:
