@@ -1,4 +1,4 @@
-"""What a controller has to know of a drone: python benchmarks/whole_circle.py [FLIGHTS]
+"""What a controller has to know of a drone: python benchmarks/whole_circle.py --help
 
 The files of docs/whole_circle.md are written into an empty folder and its minute is flown and identified. Then the unknown drone flies its
 laps through Betaflight's firmware, each time by a controller that knows more of it; plans leave a fifth of the thrust that is known.
@@ -6,6 +6,7 @@ laps through Betaflight's firmware, each time by a controller that knows more of
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import os
 import sys
@@ -49,7 +50,9 @@ def known() -> dict[str, Quadrotor]:
 
 def main() -> None:
     """Write, identify, fly."""
-    flights, page = int(next(iter(sys.argv[1:]), 50)), (DOCS / "whole_circle.md").read_text(encoding="utf-8")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--flights", type=int, default=50)
+    flights, page = parser.parse_args().flights, (DOCS / "whole_circle.md").read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         transcripts = transcript()
