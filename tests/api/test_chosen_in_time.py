@@ -68,6 +68,7 @@ def finish(folder, world, configuration):
         return study.run(Objective(configuration.scenario, world), clock=world.clock)
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("passed", [1, 3])
 @pytest.mark.parametrize("planning", [0.5, PLANNING, 20.0])
 def test_plans_compiling_and_search_together_take_the_minutes(tmp_path, planning, passed):

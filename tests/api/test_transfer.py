@@ -112,6 +112,7 @@ def study(finished, tmp_path) -> Path:
     return Path(shutil.copytree(finished, tmp_path / "study"))
 
 
+@pytest.mark.check
 def test_every_world_flies_the_same_parameters_with_the_same_noise_home_first(study):
     found = hotlap.transfer(study, to=Counted(), flights=4, seed=2)
     assert found.worlds == ("built-in", "plant")
@@ -130,6 +131,7 @@ def test_errors_are_those_of_the_steps_that_were_flown(study):
         assert flight.errors[1:].max() == pytest.approx(flight.max_error, abs=1e-3)
 
 
+@pytest.mark.check
 def test_an_interrupted_transfer_goes_on_and_flies_nothing_twice(study, tmp_path):
     whole = hotlap.transfer(shutil.copytree(study, tmp_path / "other"), to=Counted())
     first, second = Counted(), Counted()
@@ -151,6 +153,7 @@ def test_what_is_there_needs_no_simulator_and_more_flights_fly_what_is_missing(s
     assert more.flown == 4
 
 
+@pytest.mark.check
 def test_other_parameters_are_flown_for_themselves(study):
     hotlap.transfer(study, to=Counted())
     asked, other = configure(SCENARIO, goal="mean_error<0.01", budget=30, validation=0, seed=8), Counted()
@@ -161,6 +164,7 @@ def test_other_parameters_are_flown_for_themselves(study):
     assert other.flown == 3, "the default parameters are what they were"
 
 
+@pytest.mark.check
 def test_a_flight_that_is_lost_is_flown_again(study, tmp_path):
     whole = hotlap.transfer(shutil.copytree(study, tmp_path / "other"), to=Counted())
     cut = Counted(lose=(2, 5))
@@ -220,6 +224,7 @@ def test_a_result_is_shown_in_notebooks(study):
     assert found.plot().get_axes()
 
 
+@pytest.mark.check
 def test_the_command_prints_the_same(study, monkeypatch, capsys):
     monkeypatch.setattr(worlds, "build", lambda name, *_: Counted() if name == "plant" else worlds.BuiltIn())
     assert main(["transfer", str(study), "--to", "plant"]) == 0

@@ -84,6 +84,7 @@ def test_another_rule_for_segments_is_another_comparison(hotlap):
     assert hotlap(*ASKED, "--segments", "paper", "--json").document == first.document
 
 
+@pytest.mark.check
 def test_another_reference_is_another_comparison_and_belongs_to_one_race(hotlap, here):
     planned = hotlap(*ASKED, "--json").document
     (here / "slow.csv").write_text("t,p_x,p_y,p_z\n" + "\n".join(f"{k / 100},{k / 100},0,1" for k in range(1001)))
@@ -192,6 +193,7 @@ def test_the_command_on_the_page_does_the_same_again(hotlap, here):
     assert "<code>hotlap compare straight.toml 'circle-*' airsim --tuners" in page
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_what_was_finished_outlives_a_kill(environment, here, number):
     command = [sys.executable, str(Path(fake_hotlap.__file__)), *ASKED, "--seeds", "30", "--tuners", "random_search"]

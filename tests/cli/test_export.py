@@ -11,6 +11,7 @@ from hotlap.exporters import FORMATS
 TUNE = ("tune", "straight.toml", "--out", "study", "--validation", "20")
 
 
+@pytest.mark.check
 @pytest.mark.usefixtures("faked")
 def test_a_tuned_study_is_written_in_every_format(hotlap, here):
     assert hotlap(*TUNE).code == 0
@@ -23,6 +24,7 @@ def test_a_tuned_study_is_written_in_every_format(hotlap, here):
     assert json.loads((here / "out.json").read_text())["race"] == "straight"
 
 
+@pytest.mark.check
 @pytest.mark.usefixtures("faked")
 def test_it_says_what_was_written_and_what_it_is_for(hotlap):
     hotlap(*TUNE)

@@ -32,6 +32,7 @@ def flight(flown, here):
     return path.name
 
 
+@pytest.mark.check
 def test_numbers_predictions_and_what_is_missing_are_said_and_written(hotlap, here, flight):
     ran = hotlap("identify", flight, "--quadrotor", "five-inch", "--known", "thrust", "--out", "mine.toml", "--picture", "seen.png")
     assert ran.code == 0

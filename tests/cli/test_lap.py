@@ -64,6 +64,7 @@ def lap(*arguments):
     return main(["lap", "circle-34", "--parameters", "tuned.toml", *arguments])
 
 
+@pytest.mark.check
 @pytest.mark.usefixtures("hall")
 def test_a_flight_is_judged_and_its_log_can_be_scored(serving, capsys):
     _, vehicle = serving(weather=WEATHER, seed=3)

@@ -38,6 +38,7 @@ def test_it_learns_what_flies(tmp_path, capsys):
     assert tuple(first_guess(scenario, "learned", training)[0].tolist()) in training.candidates
 
 
+@pytest.mark.check
 def test_what_was_interrupted_ends_as_if_it_had_not_been(tmp_path, capsys):
     whole = learn(tmp_path / "whole", *RACES)
     lines = (tmp_path / "whole" / "lines.jsonl").read_bytes().splitlines(keepends=True)

@@ -50,6 +50,7 @@ def test_help_and_mistakes_load_nothing_that_takes_time():
     assert loaded[-1] & HEAVY == set()
 
 
+@pytest.mark.check
 def test_the_module_of_a_command_loads_nothing_that_flies_plans_or_draws():
     quick = [name for name in COMMANDS if name != "bench"]
     loaded = dict(zip([*quick, "bench"], loaded_by("\n".join(f"import {module_of(name)}" for name in [*quick, "bench"])), strict=True))

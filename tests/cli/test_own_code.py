@@ -138,6 +138,7 @@ def warm():
     assert main(FLY) == 0
 
 
+@pytest.mark.check
 @pytest.mark.usefixtures("warm")
 def test_nothing_of_the_working_folder_runs(attacked):
     folder, mark = attacked
@@ -146,6 +147,7 @@ def test_nothing_of_the_working_folder_runs(attacked):
     assert not mark.exists()
 
 
+@pytest.mark.check
 @pytest.mark.usefixtures("warm")
 def test_nor_where_python_looks_there_first(attacked):
     folder, mark = attacked

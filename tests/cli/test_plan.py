@@ -54,6 +54,7 @@ def test_a_reference_is_read_instead_of_planning(hotlap, here, monkeypatch):
     assert ran.document["segments"][0]["class"] == "flat"
 
 
+@pytest.mark.check
 def test_planning_can_be_interrupted(here, environment):
     """Ctrl-C in the midst of the solver's own code ends it in order."""
     (here / "long.toml").write_text('base = "final-22"\n[planning]\nnodes = 100\n')  # takes half a minute

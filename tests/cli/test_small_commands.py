@@ -83,6 +83,7 @@ def test_what_only_a_race_has_is_refused_for_a_track(hotlap, option):
     assert (ran.code, ran.err) == (2, f"hotlap: {option}: is of a race, not of a track\n")
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("kind", list(Kind))
 def test_new_writes_a_file_that_checks(hotlap, here, kind):
     ran = hotlap("new", kind, "mine")
@@ -92,6 +93,7 @@ def test_new_writes_a_file_that_checks(hotlap, here, kind):
     assert hotlap("check", "mine.toml", *(["--flights", "0"] if kind is Kind.RACE else [])).code == 0
 
 
+@pytest.mark.check
 def test_a_drone_a_track_and_a_race_of_ones_own_are_four_commands(hotlap):
     hotlap("new", "quadrotor", "kite")
     hotlap("new", "track", "garden")

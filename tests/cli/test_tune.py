@@ -97,6 +97,7 @@ def test_a_goal_that_is_not_confirmed_is_exit_1_and_the_best_is_kept(hotlap, her
     assert (ran.code, ran.document["confirmed"], ran.document["flights"]) == (1, False, 30)
 
 
+@pytest.mark.check
 def test_after_a_failure_with_a_reference_the_advice_is_about_that_reference(hotlap, here):
     rows = [f"{k / 100},{20 * min(k / 100, 0.5) ** 2 + 20 * max(k / 100 - 0.5, 0)},0,1" for k in range(101)]  # 40 m/s^2 to 20 m/s
     (here / "fast.csv").write_text("t,p_x,p_y,p_z\n" + "\n".join(rows))
@@ -248,6 +249,7 @@ def wait_for_flights(process, count):
         seen.append(line)
 
 
+@pytest.mark.check
 def test_killed_in_the_middle_the_same_command_ends_as_if_never_stopped(hotlap, here, environment):
     command = (*HARD, "--out", "mine", "--json")
     for flights in (2, 5, 9):
@@ -267,6 +269,7 @@ def test_killed_in_the_middle_the_same_command_ends_as_if_never_stopped(hotlap, 
     assert {**ours, **paths} == {**theirs, **paths}
 
 
+@pytest.mark.check
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_stopped_it_says_how_to_go_on_and_going_on_ends_as_if_never_stopped(here, environment, capsys, number, code):
     process = start(HARD, environment)

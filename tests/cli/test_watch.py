@@ -81,6 +81,7 @@ def test_a_page_may_only_run_its_own_script_and_ask_its_own_server(finished, env
             assert headers["Server"] == "hotlap "
 
 
+@pytest.mark.check
 def test_a_folder_of_studies_is_one_page_and_each_has_its_own_below(finished, hotlap, here, environment):
     assert hotlap("tune", "straight.toml", "--validation", "50", "--out", "runs/one").code == 0
     shutil.copytree(here / finished, here / "runs" / "two")
@@ -137,6 +138,7 @@ def test_other_hosts_methods_and_numbers_are_refused(finished, environment):
             assert ask(address, f"/data.json?flights={number}")[0].status == 400, number
 
 
+@pytest.mark.check
 def test_it_follows_a_study_from_before_its_first_flight(here, environment):
     tuning = subprocess.Popen(
         [*PROGRAM, *SLOW, "--out", "mine"],

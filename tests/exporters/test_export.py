@@ -34,6 +34,7 @@ def remarked(scenario: Scenario) -> SavedParameters:
     return replace(saved(scenario), flown_with=flown_with(scenario))
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("name", FORMATS)
 def test_every_format_writes_its_own_file_into_the_folder_and_nothing_else(tmp_path, name):
     with tune(tmp_path) as opened:

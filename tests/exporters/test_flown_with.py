@@ -95,6 +95,7 @@ def test_a_model_with_drag_is_the_users_to_write_where_that_can_be_done():
     assert "write" not in fixed
 
 
+@pytest.mark.check
 def test_a_study_for_optuna_says_it(tmp_path):
     optuna = pytest.importorskip("optuna")
     with tune(tmp_path / "study", rich()) as opened:

@@ -69,6 +69,7 @@ def test_reflights_are_told_at_the_trials_that_they_confirmed(read):
     assert loaded.trials[-1].user_attrs["validation_flights"] == 20
 
 
+@pytest.mark.check
 def test_a_second_export_replaces_the_first(tmp_path):
     with tune(tmp_path) as opened:
         assert export(opened, "optuna") == export(opened, "optuna")

@@ -62,6 +62,7 @@ def test_a_bag_brings_the_definition_of_every_message(bag):
     assert path[-1].pose.position.x != path[0].pose.position.x
 
 
+@pytest.mark.check
 def test_the_definitions_are_those_of_ros_2(bag):
     humble, brought = get_typestore(Stores.ROS2_HUMBLE), {}
     with bag.open("rb") as file:

@@ -62,6 +62,7 @@ def test_a_plan_takes_about_the_share_of_the_thrust_that_it_was_planned_with():
     assert not found.exhausting
 
 
+@pytest.mark.check
 def test_rates_are_compared_with_what_the_controller_may_command():
     race, _, _, reference = small.planned("ramp")
     found = demands(race, reference)

@@ -41,6 +41,7 @@ def motion(problem: Problem, state: np.ndarray, command: np.ndarray) -> np.ndarr
     return np.concatenate([v, acceleration, quaternion, turn, (command - f) / max(*quadrotor.motor_time, 1e-4)])
 
 
+@pytest.mark.check
 @each
 def test_it_starts_at_rest_with_rotors_that_hover(name):
     _, problem, trajectory, reference = small.planned(name)

@@ -112,6 +112,7 @@ def test_a_flying_start_and_an_end_at_rest_are_kept():
     assert_allclose(trajectory.states[-1, [3, 4, 5, 7, 8, 10, 11, 12]], 0.0, atol=1e-6)
 
 
+@pytest.mark.check
 def test_rotors_hover_where_a_plan_with_all_dynamics_ends():
     _, problem, trajectory = planned("all dynamics")
     assert_allclose(trajectory.states[-1, 13:17], problem.quadrotor.mass * problem.quadrotor.gravity / 4, rtol=1e-5)
@@ -187,6 +188,7 @@ def test_random_tracks_pass_a_test_that_shares_no_code_with_the_planner(seed, dy
     assert not outcome.faults
 
 
+@pytest.mark.check
 def test_the_direction_of_a_gate_changes_the_plan():
     forward = find_plan(Problem.of(make_race(SQUARE, (9.0, 0.0, 1.5))))
     assert planned("flipped")[2].duration > forward.duration + 0.5

@@ -69,6 +69,7 @@ ODD = {
 }
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("race", ODD.values(), ids=ODD)
 def test_an_odd_track_is_planned_all_the_same(race):
     reference = plan(race, cache=False)

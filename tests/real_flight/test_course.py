@@ -78,6 +78,7 @@ def test_a_place_is_read_in_metres_and_degrees():
         read_place("1,2")
 
 
+@pytest.mark.check
 def test_a_start_far_away_is_flown_to_only_within_a_geofence_that_was_given():
     scenario = make_scenario()
     state = np.concatenate([[100.0, 0.0, 1.0], level(0.0), np.zeros(6)])

@@ -128,6 +128,7 @@ def test_a_race_that_is_too_long_for_a_trajectory_is_refused(monkeypatch):
     assert stand_in.requests == []
 
 
+@pytest.mark.check
 def test_a_link_that_is_lost_stops_it_and_setpoints(monkeypatch):
     monkeypatch.setattr(vehicle, "PATIENCE_FOLLOWED", 1.0)
     cut = []

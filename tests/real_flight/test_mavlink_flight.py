@@ -92,6 +92,7 @@ def test_a_lap_from_the_ground_with_each_autopilot_and_each_kind_of_state(autopi
     assert [what for _, what in stand_in.requests][:2] == ["engage", "arm"]
 
 
+@pytest.mark.check
 def test_a_state_that_grows_old_stops_it_within_half_a_second():
     cut = []
 

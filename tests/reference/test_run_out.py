@@ -43,6 +43,7 @@ def turns(attitudes: np.ndarray) -> np.ndarray:
 each = pytest.mark.parametrize("name", list(small.RACES))
 
 
+@pytest.mark.check
 @each
 def test_it_lasts_nine_seconds_and_leaves_the_plan_as_it_is(name):
     reference, rows, _ = extended(name)

@@ -25,6 +25,7 @@ def make_runs(tuners: int, races: int) -> list[Run]:
     return [make_run(name, f"race-{r}", seed, confirmed=k > 0) for k, name in enumerate(names) for r in range(races) for seed in range(3)]
 
 
+@pytest.mark.check
 @pytest.mark.parametrize(("tuners", "races"), [(1, 1), (4, 2), (9, 5), (30, 14)])
 def test_every_race_has_a_chart_and_every_tuner_a_line_of_its_own_look(tuners, races):
     figure = curves(make_runs(tuners, races))

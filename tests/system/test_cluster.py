@@ -96,6 +96,7 @@ def test_the_file_of_a_scheduler_is_as_good_as_its_address(cluster):
         assert engine.workers == 2
 
 
+@pytest.mark.check
 def test_what_a_killed_worker_had_begun_is_done_by_one_that_joins(tmp_path):
     with running(tmp_path, 1) as own, opened(own.address) as engine:
         results = engine.spread(wait_for, [str(own.file), str(tmp_path / "killed")])

@@ -23,6 +23,7 @@ start_numba()
 """
 
 
+@pytest.mark.check
 def test_matrices_are_multiplied_by_a_library_that_is_loaded_then():
     ran = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True)
     assert ran.stdout.split() == ["False", "16.0", "True"]

@@ -333,6 +333,7 @@ def test_a_run_that_has_ended_flies_no_more_after_a_restore():
     assert list(tune(Objective(SCENARIO, FakeWorld()), again)) == []
 
 
+@pytest.mark.check
 def test_runs_in_lockstep_go_as_they_would_alone_and_share_their_batches():
     names = ALGORITHMS
     twice = [*enumerate(names), *enumerate(names)]  # two that are alike share nothing either

@@ -64,6 +64,7 @@ def test_a_program_of_ones_own_flies_the_race(undisturbed):
     assert (undisturbed.max_error < 0.5).all()
 
 
+@pytest.mark.check
 @pytest.mark.parametrize(
     ("manner", "said"),
     [
