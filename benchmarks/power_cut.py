@@ -279,7 +279,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit("power_cut.py needs strace")
     jobs, folder = [job for job in JOBS if any(part in job.name for part in asked.jobs)], asked.out.resolve()
     with Journal.opened(folder, digest_sources("hotlap", Path(__file__), Path(torture.__file__))) as kept:
-        warm = warm_up(folder, JOBS)
+        warm = warm_up(folder, jobs)
         for job in jobs:
             run_job(job, folder, warm, kept, asked.trials, asked.processes)
         outcomes = [kept.done[f"{job.name} #{trial}"] for job in jobs for trial in range(asked.trials)]

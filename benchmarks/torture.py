@@ -378,16 +378,20 @@ def can_mount(folder: Path) -> bool:
 
 
 def warm_up(folder: Path, jobs: Sequence[Job]) -> Path:
-    """Caches with all that the jobs plan and compile."""
-    warm = folder / "warm"
-    if not warm.exists():
-        for job in jobs:
-            place = Place(folder / "warming", Job(job.name, job.arguments, 0))
-            place.prepare(warm)
-            print(f"filling caches: {job.name}", file=sys.stderr, flush=True)
-            place.finish()
-            shutil.rmtree(warm, ignore_errors=True)
-            (place.folder / "cache").rename(warm)
+    """Caches with all that the jobs plan and compile, filled by one job after another, each once."""
+    warm, filled = folder / "warm", folder / "warm.txt"
+    names = filled.read_text().splitlines() if filled.exists() and warm.exists() else []
+    for job in jobs:
+        if job.name in names:
+            continue
+        place = Place(folder / "warming", Job(job.name, job.arguments, 0))
+        place.prepare(warm)
+        print(f"filling caches: {job.name}", file=sys.stderr, flush=True)
+        place.finish()
+        shutil.rmtree(warm, ignore_errors=True)
+        (place.folder / "cache").rename(warm)
+        names.append(job.name)
+        filled.write_text("".join(f"{name}\n" for name in names))
     return warm
 
 
@@ -447,7 +451,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with Journal.opened(folder, digest_sources("hotlap", Path(__file__))) as kept:
         (folder / "disk").mkdir(exist_ok=True)
         faults = FAULTS if can_mount(folder / "disk") else tuple(fault for fault in FAULTS if fault != FULL)
-        warm = warm_up(folder, JOBS)
+        warm = warm_up(folder, jobs)
         for job in jobs:
             run_job(job, folder, warm, kept, asked.processes, faults)
         outcomes = [kept.done[_key(job, trial)] for job in jobs for trial in range(job.trials)]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import reduce
 from itertools import islice, pairwise
 from typing import Any
 
@@ -323,6 +325,32 @@ def test_stopped_after_any_batch_and_resumed_equals_never_stopped(name):
     states = [None, *(batch.state for batch in whole)]
     written = [len(json.dumps(increment(*pair))) for pair in pairwise(states)]
     assert sum(written[len(whole) // 2 :]) < 1.5 * sum(written[: -(-len(whole) // 2)]), "no history is written anew at every batch"
+
+
+def _leaves(plain: Any, *path: Any) -> Iterator[tuple[Any, ...]]:
+    """Where the values of plain JSON stand, but for parameters and what is the tuner's own."""
+    inner = plain.items() if isinstance(plain, dict) else enumerate(plain) if isinstance(plain, list) else ()
+    for key, value in inner:
+        if key not in {"tuner", "parameters", "contenders"}:
+            yield from _leaves(value, *path, key)
+    if not isinstance(plain, dict | list):
+        yield path
+
+
+@pytest.mark.parametrize("odd", [[], {}, "3", "x", -1.5])
+def test_a_state_whose_counts_are_none_is_refused_when_it_is_restored(odd):
+    tuner, settings = "metropolis_hastings", TuningSettings(seed=1, budget=30, validation=20, reliability=0.999, selection=20)
+    *_, last = tune(Objective(SCENARIO, FakeWorld()), Tuning(tuners.build(tuner), SCENARIO, settings))
+    tried = 0
+    for *place, key in _leaves(last.state):
+        state = json.loads(json.dumps(last.state))
+        inside = reduce(lambda plain, step: plain[step], place, state)
+        known, inside[key] = inside[key], odd
+        if not isinstance(odd, float) or isinstance(known, int):
+            tried += 1
+            with pytest.raises((InputError, TypeError, KeyError)):
+                Tuning(tuners.build(tuner), SCENARIO, settings, state=state)
+    assert tried > 10
 
 
 def test_a_run_that_has_ended_flies_no_more_after_a_restore():

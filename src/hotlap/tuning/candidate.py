@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from hotlap.core.parameters import Parameters
+from hotlap.core.plain import typed
 from hotlap.core.records import Floats, Scores
 from hotlap.core.shown import Shown
 from hotlap.tuning.goal import Goal
@@ -52,7 +53,7 @@ class Candidate(Shown):
     def load(plain: Mapping[str, Any]) -> Candidate:
         """The inverse of `dump`."""
         known = {name: WORST.get(name) if value is None else value for name, value in plain.items()}
-        return Candidate(**{**known, "parameters": np.array(plain["parameters"])})
+        return Candidate(**{**typed(Candidate, known), "parameters": np.array(plain["parameters"])})
 
 
 def summarise(parameters: Parameters, flown: Scores, confirmed: bool, validation_rate: float) -> Candidate:

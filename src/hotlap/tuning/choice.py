@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from hotlap.core.parameters import Parameters
+from hotlap.core.plain import value_of
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream
 from hotlap.tuners.tuner import Tuner, recommended_by
@@ -130,5 +131,6 @@ class Choice:
         """
         self._contenders = Contenders.load(state.get("contenders", ()))
         self._known = [Finalist.load(one) for one in state.get("known", ())]
-        self._selection = Selection.load(state["selection"]) if state.get("selection") else None
-        self._cycle, self._made_at = state.get("cycle", 0), state.get("selected_at", made_at)
+        self._selection = None if state.get("selection") is None else Selection.load(state["selection"])
+        self._cycle = value_of("int", "cycle", state.get("cycle", 0))
+        self._made_at = value_of("int", "selected_at", state.get("selected_at", made_at))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hotlap.core.ledger import Ledger, enter
 from hotlap.core.parameters import Parameters
+from hotlap.core.plain import typed, value_of
 from hotlap.core.records import Scores
 from hotlap.core.seeds import Stream, flight_seeds
 from hotlap.core.shown import Shown
@@ -314,13 +315,15 @@ class Tuning:
 
     def _restore(self, state: dict[str, Any]) -> None:
         """The inverse of `_state`."""
-        self._flown |= {Stream[name]: count for name, count in state["flown"].items()}
-        self.search_flights = state["search_flights"]
+        self._flown |= {Stream[name]: value_of("int", name, count) for name, count in state["flown"].items()}
+        self.search_flights = value_of("int", "search_flights", state["search_flights"])
         self.best = None if state["best"] is None else Candidate.load(state["best"])
-        self.validation = None if state["validation"] is None else Validation(**state["validation"])
+        self.validation = None if state["validation"] is None else Validation(**typed(Validation, state["validation"]))
         self._choice.restore(state, made_at=self.flights if self.validation is not None else -1)
-        if state.get("ended") and (not self.settings.minutes or state["ended"] >= self.settings.minutes):  # else it has been given more
-            self._ended, self._choice.flights = state["ended"], state["selection_flights"]
+        ended = value_of("float", "ended", state.get("ended", 0.0))
+        selection = value_of("int", "selection_flights", state.get("selection_flights", 0))
+        if ended and (not self.settings.minutes or ended >= self.settings.minutes):  # else it has been given more
+            self._ended, self._choice.flights = ended, selection
         self.tuner.restore(state["tuner"])
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from hotlap.core.parameters import Parameters
+from hotlap.core.plain import typed, value_of
 from hotlap.core.records import Scores
 from hotlap.core.success_rate import wilson_interval
 from hotlap.tuning.candidate import Candidate
@@ -129,7 +130,7 @@ class Finalist:
     @staticmethod
     def load(plain: Mapping[str, Any]) -> Finalist:
         """The inverse of `dump`."""
-        return Finalist(**{**plain, "parameters": np.array(plain["parameters"])})
+        return Finalist(**{**typed(Finalist, plain), "parameters": np.array(plain["parameters"])})
 
     @property
     def candidate(self) -> Candidate:
@@ -209,7 +210,7 @@ class Selection:
     def load(plain: Mapping[str, Any]) -> Selection:
         """The inverse of `dump`."""
         finalists, known = (tuple(Finalist.load(one) for one in plain[name]) for name in ("finalists", "known"))
-        return Selection(finalists, plain["each_round"], known)
+        return Selection(finalists, value_of("int", "each_round", plain["each_round"]), known)
 
 
 def _joined(selection: Selection) -> Selection:
