@@ -110,7 +110,7 @@ def test_an_index_in_front_more_columns_behind_and_another_order_change_nothing(
     assert_same_rows(load_reference(path, RACE), reference)
 
 
-@pytest.mark.parametrize("cell", ["0.0", "nan", "", "-1e-33", "1e9", "rubbish"])
+@pytest.mark.parametrize("cell", ["0.0", "nan", "", "-1e-33", "1e9", "1e308", "rubbish"])
 def test_thrusts_of_the_last_row_need_not_be_there(path, reference, cell):
     edit(path, lambda table: [table[f"u_{rotor}"].__setitem__(-1, cell) for rotor in (1, 2, 3, 4)])
     assert_same_rows(load_reference(path, RACE), reference)
@@ -217,6 +217,10 @@ CONTENTS = {
     "a column twice": (("t," + ",".join(COLUMNS) + "\n").encode(), "t: this column stands there twice"),
     "a short line": ((",".join(COLUMNS) + "\n0.0,1.0\n").encode(), "line 2, p_y: is missing: the line has only 2 values"),
     "binary": (b"\x89PNG\r\n\x1a\n\xff\xfe", "is not UTF-8 text (byte 1)"),
+    "endless numbers without a header": (
+        b",".join([b"1e300"] * 8) + b"\n" + b",".join([b"-1e200"] * 8) + b"\n",
+        "line 1, t: must be a finite number, not ",
+    ),
     "an endless field": ((",".join(COLUMNS) + "\n" + "1" * 200_000).encode(), "line 2: is no CSV: field larger than field limit"),
 }
 

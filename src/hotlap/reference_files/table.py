@@ -159,6 +159,7 @@ def _guessed(source: str, cells: Sequence[tuple[int, list[str]]], notes: list[st
     rows = [[_value(cell) for cell in row if cell.strip()] for _, row in cells[:200]]
     width, line = len(rows[0]), cells[0][0]
     values = np.array([row for row in rows if len(row) == width])
+    values[np.abs(values) > LARGEST] = np.nan  # refused later, where its column has a name
     index = len(values) > 1 and bool(np.array_equal(values[:, 0], values[0, 0] + np.arange(len(values)))) and width > len(REQUIRED)
     for skipped in (1, 0) if index else (0,):
         names = by_count(values[:, skipped:])
@@ -192,8 +193,10 @@ def _number(source: str, line: int, column: Column, row: list[str], last: bool) 
     """One value; a thrust in the last row need not be there, for nothing follows it."""
     cell = row[column.place].strip() if column.place < len(row) else ""
     value = _value(cell)
-    if abs(value) <= LARGEST or (last and column.name in THRUST_NAMES):
+    if abs(value) <= LARGEST:
         return value
+    if last and column.name in THRUST_NAMES:
+        return np.nan
     if column.place >= len(row):
         raise _fault(source, line, column.name, f"is missing: the line has only {len(row)} values")
     raise _fault(source, line, column.name, f"must be a finite number, not {show(cell)}")
