@@ -143,6 +143,7 @@ def test_a_flight_that_was_stopped_exits_with_1_and_keeps_its_log(hall, serving,
         ({}, ("--on-stop", "explode"), "--on-stop: there is no request named 'explode'"),
         ({}, ("--origin", "-1,2"), "--origin: must be x, y, z .* not '-1,2'"),
         ({}, ("--margin", "0"), "--margin: must be above 0, not 0"),
+        ({}, ("--stray", "-1"), "--stray: must be above 0, not -1"),
     ],
 )
 def test_what_cannot_be_flown_is_one_line_and_exit_status_2(serving, capsys, settings, options, line):

@@ -106,7 +106,7 @@ def solve_whole(
 
 def draw_state(rng: np.random.Generator) -> np.ndarray:
     """Any p q v."""
-    return np.concatenate([rng.normal(size=3), Rotation.random(rng=rng).as_quat(), 5 * rng.normal(size=3)])
+    return np.concatenate([rng.normal(size=3), Rotation.random(None, rng).as_quat(), 5 * rng.normal(size=3)])
 
 
 def moved(x: np.ndarray, change: np.ndarray) -> np.ndarray:

@@ -38,6 +38,7 @@ OPERATIONS = {
 }
 NAMES = {getattr(ca, name): name for name in dir(ca) if name.startswith("OP_")}
 POINTS = [*np.random.default_rng(4).normal(size=(40, 3)), np.array([0.5, 0.5, 1.0]), np.array([0.5, -0.5, 0.0])]
+ALSO = {"OP_TWICE": "OP_ADD"}  # how CasADi 3.6 writes it
 
 
 def make(expression: object) -> ca.Function:
@@ -48,7 +49,7 @@ def make(expression: object) -> ca.Function:
 @pytest.mark.parametrize("name", OPERATIONS)
 def test_an_operation_means_what_it_means_in_casadi(name):
     function = make(OPERATIONS[name])
-    assert name in {NAMES[function.instruction_id(k)] for k in range(function.n_instructions())}
+    assert {name, ALSO.get(name)} & {NAMES[function.instruction_id(k)] for k in range(function.n_instructions())}
     program, out = translate(function), np.zeros(1)
     for point in POINTS:
         run(program, [point, out])

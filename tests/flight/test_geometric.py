@@ -57,7 +57,7 @@ def test_it_turns_back_from_an_attitude_error_in_proportion(axis):
     turn = np.zeros(3)
     turn[axis] = 0.1
     state = LEVEL.copy()
-    state[3:7] = Rotation.from_rotvec(turn).as_quat(scalar_first=True)
+    state[3:7] = np.roll(Rotation.from_rotvec(turn).as_quat(), 1)
     command = steer(state)
     expected = np.zeros(3)
     expected[axis] = -GAINS[4 if axis < 2 else 5] * 2 * np.sin(0.05)
@@ -66,7 +66,7 @@ def test_it_turns_back_from_an_attitude_error_in_proportion(axis):
 
 def test_both_quaternions_of_an_attitude_are_one():
     state = LEVEL.copy()
-    state[3:7] = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_quat(scalar_first=True)
+    state[3:7] = np.roll(Rotation.from_rotvec([0.3, -0.2, 0.5]).as_quat(), 1)
     other = state.copy()
     other[3:7] *= -1
     np.testing.assert_allclose(steer(state), steer(other), atol=1e-12)
@@ -83,7 +83,7 @@ def test_the_command_does_not_depend_on_where_north_is():
     def turned(vector):
         after = vector.copy()
         after[:3], after[7:10] = north.apply(vector[:3]), north.apply(vector[7:10])
-        after[3:7] = (north * Rotation.from_quat(vector[3:7], scalar_first=True)).as_quat(scalar_first=True)
+        after[3:7] = np.roll((north * Rotation.from_quat(np.roll(vector[3:7], -1))).as_quat(), 1)
         return after
 
     np.testing.assert_allclose(steer(turned(state), turned(reference), north.apply(acceleration)), steer(state, reference, acceleration))

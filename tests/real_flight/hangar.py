@@ -72,6 +72,7 @@ class DirectLink:
         follows: whether the clock stands while nothing comes.
         period: [s] between states.
         shift: [m] by which positions are wrong.
+        frozen: part of the state that is no longer measured, and a state that it is of; None: nothing.
         refuses: why it does not arm.
         sent, requests: what has come, with where the drone was; and with when.
     """
@@ -82,6 +83,7 @@ class DirectLink:
         self.drone, self._script = drone, script
         self.states = self.speaks = self.there = True
         self.follows, self.period, self.shift = False, STEP, np.zeros(3)
+        self.frozen: tuple[slice, np.ndarray] | None = None
         self.refuses, self.refusal, self.remark, self.closed = "", "", "", False
         self.sent: list[tuple[float, Setpoint, np.ndarray]] = []
         self.requests: list[tuple[float, Request]] = []
@@ -106,6 +108,9 @@ class DirectLink:
             return None
         drone, state = self.drone, self.drone.state
         state[:3] += self.shift
+        if self.frozen is not None:
+            place, known = self.frozen
+            state[place] = known[place]
         return Seen(drone.time, 0.0, state, drone.armed, drone.mode is Mode.FOLLOW, drone.on_ground, drone.voltage)
 
     @property
@@ -147,7 +152,8 @@ class PuppetLink(DirectLink):
     def receive(self, wait: float) -> Seen | None:
         seen = super().receive(wait)
         assert seen is not None
-        return dataclasses.replace(seen, state=self.state, armed=self.armed, engaged=self.engaged, on_ground=not self.armed)
+        state = self.state + 1e-9 * np.sin(seen.time)  # no estimate stands still
+        return dataclasses.replace(seen, state=state, armed=self.armed, engaged=self.engaged, on_ground=not self.armed)
 
     def send(self, setpoint: Setpoint) -> None:
         self.sent.append((self.drone.time, setpoint, self.state))

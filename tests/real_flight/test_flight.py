@@ -203,6 +203,31 @@ def test_a_position_that_jumps_stops_it():
     assert flight(link).fly().halt.reason is Reason.JUMP
 
 
+@pytest.mark.parametrize("frozen", [slice(0, 3), slice(0, 13)], ids=["the position", "the whole state"])
+def test_an_estimate_that_freezes_while_it_flies_stops_it(frozen):
+    link = DirectLink(airborne())
+    cut = in_race(link, lambda each: setattr(each, "frozen", (frozen, each.drone.state)), 1.2)
+    flown = flight(link).fly()
+    assert flown.halt.reason is Reason.JUMP
+    assert max(moment for moment, _, _ in link.sent) <= cut[0] + 0.3
+    assert link.requests[-1][1] is Request.LAND
+
+
+def test_an_estimate_that_freezes_while_it_hovers_stops_it():
+    link, begun = DirectLink(airborne()), []
+
+    def freeze(each):
+        if flying.phase is Phase.STAND and not begun:
+            begun.append(each.drone.time)
+            each.frozen = slice(0, 13), each.drone.state
+
+    flying = flight(link)
+    link._script = freeze
+    flown = flying.fly()
+    assert flown.halt.reason is Reason.FROZEN
+    assert begun[0] + 0.5 <= max(moment for moment, _, _ in link.sent) <= begun[0] + 0.6
+
+
 @pytest.mark.parametrize("leap", [0.6, 30.0])
 def test_a_time_that_leaps_stops_it_before_anything_is_sent(leap):
     link, leapt = DirectLink(airborne()), [0.0]

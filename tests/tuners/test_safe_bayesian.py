@@ -202,7 +202,7 @@ def test_the_plane_turns_all_weights_by_one_factor_and_the_horizon_by_another():
 def test_a_line_is_followed_before_another_is_laid():
     tuner, line = start("safe_bayesian:lines"), SafeBayesianSettings().line
     points = fly(tuner, lambda _: FIRST, BASELINE + 4 * line, np.random.default_rng(0), noise=0.1)[0][BASELINE:]
-    inside = ((points > SPACE_LOW) & (points < SPACE_HIGH) & points.any(axis=1, keepdims=True)).all(axis=1)
+    inside = ((points > SPACE_LOW + 1e-9) & (points < SPACE_HIGH - 1e-9) & points.any(axis=1, keepdims=True)).all(axis=1)
     assert inside.sum() > 2 * line
     for k in range(4):
         on_line = points[k * line : (k + 1) * line][inside[k * line : (k + 1) * line]]

@@ -179,7 +179,7 @@ def test_motors_drive_the_plant_of_the_built_in_world():
         simulated.advance(command[None], PLANT_STEP)
     np.testing.assert_allclose(plant.state[:13], simulated.states()[0], atol=1e-9)
     attitude = before[3:7]
-    turned = Rotation.from_quat(attitude, scalar_first=True).inv().apply((plant.state[7:10] - before[7:10]) / PLANT_STEP + [0, 0, 9.81])
+    turned = Rotation.from_quat(np.roll(attitude, -1)).inv().apply((plant.state[7:10] - before[7:10]) / PLANT_STEP + [0, 0, 9.81])
     np.testing.assert_allclose(plant.force, turned, atol=0.1)
 
 

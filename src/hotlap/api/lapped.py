@@ -29,7 +29,7 @@ from hotlap.core.success_rate import Validation
 from hotlap.logs.hotlap_csv import read_hotlap_csv
 from hotlap.real_flight import open_link
 from hotlap.real_flight.geofence import MARGIN
-from hotlap.real_flight.guard import Halt
+from hotlap.real_flight.guard import STRAY, Halt
 from hotlap.real_flight.link import Request
 from hotlap.real_flight.settings import FlightSettings, Flown, Phase
 from hotlap.real_flight.speaker import Speaker
@@ -215,8 +215,9 @@ def _settings(asked: Asked) -> FlightSettings:
     requests = [request.value for request in (Request.LAND, Request.HOLD, Request.DISARM)]
     if asked.on_stop not in requests:
         raise InputError("", "on_stop", f"must be one of {', '.join(requests)}, not '{asked.on_stop}'")
-    wait, margin = WAIT if asked.wait is None else asked.wait, MARGIN if asked.margin is None else asked.margin
-    for key, value in (("wait", wait), ("margin", margin)):
+    automatic = {"wait": WAIT, "margin": MARGIN, "stray": STRAY}
+    limits = {key: value if getattr(asked, key) is None else getattr(asked, key) for key, value in automatic.items()}
+    for key, value in limits.items():
         if not 0 < value < math.inf:
             raise InputError("", key, f"must be above 0, not {value:g}")
     if not 0 <= asked.throttle_curve <= 1:
@@ -226,11 +227,10 @@ def _settings(asked: Asked) -> FlightSettings:
         arm=asked.arm,
         on_stop=request,
         geofence=asked.geofence,
-        margin=margin,
         origin=asked.origin,
         curve=asked.throttle_curve,
         with_battery=asked.battery,
-        wait=wait,
+        **limits,
     )
 
 

@@ -25,6 +25,7 @@ def lap(
     origin: str = "0,0,0,0",
     geofence: str = "",
     margin: float | None = None,
+    stray: float | None = None,
     on_stop: str = "land",
     throttle_curve: float = 0.0,
     battery: bool = True,
@@ -47,6 +48,7 @@ def lap(
         origin: x,y,z,yaw [m, deg] of the race's origin in the vehicle's own world, or 'here': the race starts above where it stands.
         geofence: box that it must not leave, x,x,y,y,z,z [m] in the race's world; '': around its path.
         margin: [m] between its path and that box; None: 2.
+        stray: [m] from the reference at most; None: 3, or the race's judge.crash where that is less.
         on_stop: what the vehicle is asked for when something stops the flight.
         throttle_curve: how thrust grows with throttle, from 0, evenly, to 1, with its square.
         battery: thrust goes with the battery's voltage; False: the autopilot makes up for the battery's voltage.

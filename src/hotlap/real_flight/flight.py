@@ -143,7 +143,7 @@ class RealFlight:
         if not seen.armed and not self.settings.arm:
             raise InputError("", "arm", f"{self._link.name} is not armed, and hotlap arms it only when that is asked for")
         approach, self.stream.guard.geofence = self._course.approach(seen.state, stands=_stands(seen))
-        self.stream.guard.farthest = self._race.judge.crash
+        self.stream.guard.farthest = min(self.settings.stray, self._race.judge.crash)
         self._say(f"geofence {self.stream.guard.geofence.words}")
         reference = self._course.scenario.reference
         states = np.hstack([reference.position, reference.attitude, reference.velocity, reference.rates])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from hotlap.real_flight.geofence import MARGIN, Geofence
-from hotlap.real_flight.guard import Halt
+from hotlap.real_flight.guard import STRAY, Halt
 from hotlap.real_flight.link import Request
 from hotlap.real_flight.record import FlightRecord
 
@@ -32,6 +32,7 @@ class FlightSettings:
         on_stop: what it is asked for when something stops the flight.
         geofence: see `geofence`; "": around the path.
         margin: [m] around the path.
+        stray: [m] from the reference at most; where the race gives a flight up earlier, that holds.
         origin: see `place`.
         speed: [m/s] to the start, at most.
         acceleration: [m/s^2] likewise.
@@ -44,6 +45,7 @@ class FlightSettings:
     on_stop: Request = Request.LAND
     geofence: str = ""
     margin: float = MARGIN
+    stray: float = STRAY
     origin: str = "0, 0, 0, 0"
     speed: float = 1.0
     acceleration: float = 1.0

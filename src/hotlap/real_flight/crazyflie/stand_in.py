@@ -70,7 +70,7 @@ class StandIn:
     protocol: int = 12
     lacks: str = ""
     lockstep: bool = True
-    noise: float = 0.0
+    noise: float = 0.001
     seed: int = 0
     each_step: Callable[[StandIn], None] = lambda _: None
     silent: bool = False
