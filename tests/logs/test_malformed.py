@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 import tracemalloc
 
 import numpy as np
@@ -50,6 +51,9 @@ def _numbers(path, heads, row, rows=20):
     return _text(path, "\n".join([heads, *lines]) + "\n")
 
 
+_FMT = struct.pack("<3sBB4s16s64s", b"\xa3\x95\x80", 128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns")
+_EMPTY = _FMT + struct.pack("<3sBB4s16s64s", b"\xa3\x95\x80", 200, 0, b"NONE", b"", b"") + b"\xa3\x95\xc8"
+
 MALFORMED = {
     "cut ulog": (lambda d: _cut(write_ulog(d / "a.ulg", FLIGHT), 0, 12), "ends within its first 16 bytes"),
     "ulog without data": (lambda d: _cut(write_ulog(d / "a.ulg", FLIGHT), 0, 40), "a ULog of PX4 without any signal"),
@@ -59,6 +63,10 @@ MALFORMED = {
     "blackbox, cut": (lambda d: _cut(write_blackbox(d / "a.bbl", FLIGHT), 0, 900), r"with \d frames: it is cut short"),
     "blackbox, cut in its head": (lambda d: _cut(write_blackbox(d / "a.bbl", FLIGHT), 0, 100), "a blackbox of Betaflight"),
     "blackbox, one axis": (lambda d: write_blackbox(d / "a.bbl", FLIGHT, leave_out=("gyroADC[2]",)), r"has no gyroADC\[2\]"),
+    "dataflash, no length": (
+        lambda d: _bytes(write_dataflash(d / "a.bin", FLIGHT), _EMPTY + (d / "a.bin").read_bytes()),
+        "with a message NONE of no length at byte 178: it is damaged",
+    ),
     "dataflash, cut": (lambda d: _cut(write_dataflash(d / "a.bin", FLIGHT), 0, 60), "a dataflash log of ArduPilot"),
     "mcap, cut": (lambda d: _cut(write_mcap(d / "a.mcap", FLIGHT), 0, 60), "an MCAP file"),
     "bag, cut": (lambda d: _cut(write_bag1(d / "a.bag", FLIGHT)), "a ROS bag: it is cut short or damaged"),

@@ -29,10 +29,11 @@ PARAMETER, TIME, CLOCK = "PARM", "TimeUS", "its clock"
 def read(path: Path, name: str) -> FlightLog:
     """Read a log; see `readers.read`."""
     recording, reader = Recording(name, KIND), load("pymavlink.DFReader", KIND, name)
-    with without_remarks():  # on every byte that is none of a message
-        log = reader.DFReader_text(str(path)) if path.suffix.lower() == ".log" else reader.DFReader_binary(str(path))
-    tables, parameters = dict[str, Table](), dict[str, Any]()
+    form = reader.DFReader_text if path.suffix.lower() == ".log" else _forward(reader.DFReader_binary, recording)
+    log, tables, parameters = form.__new__(form), dict[str, Table](), dict[str, Any]()
     try:
+        with without_remarks():  # on every byte that is none of a message
+            log.__init__(str(path))  # apart, so that its file is closed where it fails
         for _ in range(MOST_MESSAGES):
             message = log.recv_match(type=list(KINDS))
             if message is None:
@@ -44,14 +45,26 @@ def read(path: Path, name: str) -> FlightLog:
                 fields = {**message.to_dict(), CLOCK: message._timestamp}  # noqa: SLF001  it has no other name
                 tables.setdefault(kind, Table(recording, kind, fields)).add(fields)
     finally:
-        close = getattr(log, "close", None)
-        if close is not None:
-            close()
+        if hasattr(log, "filehandle"):
+            log.filehandle.close()
     if not tables:
         raise recording.fail("", f"is {KIND} with none of {', '.join(KINDS[:-1])}: it is cut short, or holds no flight")
     _take(recording, tables, parameters)
     recording.facts |= {key: value for key, value in parameters.items() if key.startswith(FACTS)}
     return recording.finish()
+
+
+def _forward(binary: Any, recording: Recording) -> Any:
+    """A reader of the package that never stands still: messages that say to have no length would be read for ever."""
+
+    class Forward(binary):
+        def _parse_next(self) -> Any:
+            begin, message = self.offset, super()._parse_next()
+            if message is not None and self.offset <= begin:
+                raise recording.fail("", f"is {KIND} with a message {message.get_type()} of no length at byte {begin}: it is damaged")
+            return message
+
+    return Forward
 
 
 class Table:
