@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from pydantic import ValidationError
-from tests.race.gates import angles, oriented_gates, regular
 
 from hotlap.core.errors import InputError
 from hotlap.files.descriptions import load_track
 from hotlap.race.gate import Gate, Opening, PassingDirection
 from hotlap.race.track import Track
+from race.gates import angles, oriented_gates, regular
 
 HERE = (1.0, 2.0, 3.0)
 

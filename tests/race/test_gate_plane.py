@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.race.gates import across, angles, oriented_gates, places, regular, sizes
 
 from hotlap.race.gate import Gate, PassingDirection
 from hotlap.race.gate_plane import GatePlane, plane_of
+from race.gates import across, angles, oriented_gates, places, regular, sizes
 
 FREE = 0.2
 

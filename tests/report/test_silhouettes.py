@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given
-from tests.race.gates import oriented_gates
 
 from hall import HALL
 from hotlap.race.gate_plane import plane_of
@@ -15,6 +14,7 @@ from hotlap.race.obstacles import Box, Pole, Sphere
 from hotlap.report.projection import views_of
 from hotlap.report.silhouettes import Disc, Slab, arrow_in, arrow_length, borders, silhouette
 from hotlap.report.structures import GateShape, structures_of
+from race.gates import oriented_gates
 
 ABOVE, SIDE = views_of(np.array([-10.0, -5.0, 0.0]), np.array([30.0, 15.0, 8.0]))
 

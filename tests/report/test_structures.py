@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.race.gates import oriented_gates
 
 from fake_world import make_scenario
 from hall import BACKWARD, BALL, EITHER, FLAT, GATES, HALL, POINT, SQUARE, TRIANGLE, TUNNEL, UNCOUNTED
@@ -15,6 +14,7 @@ from hotlap.race.gate_plane import plane_of
 from hotlap.race.obstacles import Box, Pole, Sphere
 from hotlap.race.track import Track
 from hotlap.report.structures import GateShape, arrow_line, bounds_of, box_lines, obstacle_lines, structures_of
+from race.gates import oriented_gates
 
 DISTANCE = 1.3
 
