@@ -19,6 +19,7 @@ from hotlap.reference.scenario import Scenario
 from .scenarios import TUNED, fly, make_reference, make_scenario
 
 GAINS = {"mpc": TUNED, "mpc_drag": TUNED, "geometric": (8.0, 12.0, 4.0, 5.0, 10.0, 3.0)}
+KINDS = ("mpc", "geometric", pytest.param("mpc_drag", marks=pytest.mark.check))  # half a minute of compiling
 ON = {"offset_free": True, "reference_drag": True}
 DRAG = {"drag": (0.4, 0.4, 0.2)}
 
@@ -35,7 +36,7 @@ def logged(scenario: Scenario, kind: str):
     return fly(scenario, np.tile(GAINS[kind], (1, 2, 1)), log=[0]).logs[0]
 
 
-@pytest.mark.parametrize("kind", GAINS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_wrong_mass_is_found_and_made_up_for(kind):
     scenario = scenario_of(kind, {"mass": 1.2 * 0.716})
     log = logged(scenario, kind)
@@ -48,14 +49,14 @@ def test_a_wrong_mass_is_found_and_made_up_for(kind):
     assert np.abs(log.states[late, 2] - height[late]).max() < 0.05 < np.abs(off.states[off.times > 1.5, 2] - height[off.times > 1.5]).max()
 
 
-@pytest.mark.parametrize("kind", GAINS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_on_a_vehicle_that_is_its_model_it_finds_nothing(kind):
     log = logged(scenario_of(kind, {**DRAG, "delay": 0.0275}, model={**DRAG, "delay": 0.0275}), kind)
     assert_allclose(log.estimates[:, 0], 1.0, atol=0.03)
     assert_allclose(log.estimates[:, 1:], 0.0, atol=0.35)
 
 
-@pytest.mark.parametrize("kind", GAINS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_known_drag_is_no_disturbance(kind):
     """With a drag that the model does not know the disturbance takes its place."""
     known, unknown = scenario_of(kind, DRAG, model=DRAG), scenario_of(kind, DRAG)
@@ -69,7 +70,7 @@ def test_where_it_is_off_nothing_is_estimated():
     assert_array_equal(estimates, np.tile([1.0, 0, 0, 0], (len(estimates), 1)))
 
 
-@pytest.mark.parametrize("kind", GAINS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_one_that_learns_nothing_flies_as_without(kind):
     """But for rounding, and the table of the reference that is made from its accelerations."""
     scenario = scenario_of(kind, {"mass": 0.75})
@@ -79,7 +80,7 @@ def test_one_that_learns_nothing_flies_as_without(kind):
     assert_allclose(logged(on, kind).states[:, :3], logged(off, kind).states[:, :3], atol=2e-3)
 
 
-@pytest.mark.parametrize("kind", GAINS)
+@pytest.mark.parametrize("kind", ["mpc", *(pytest.param(kind, marks=pytest.mark.check) for kind in ("mpc_drag", "geometric"))])
 def test_the_controller_alone_estimates_what_is_estimated_in_flight(kind):
     noise = {"position": 0.05, "rates": 0.1}
     scenario = scenario_of(kind, {**DRAG, "delay": 0.0475, "mass": 0.75}, model={**DRAG, "delay": 0.0275}, noise=noise)

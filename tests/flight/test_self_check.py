@@ -145,10 +145,10 @@ def test_a_kernel_is_checked_by_a_process_of_its_own(monkeypatch):
 def test_an_interpreter_that_fails_says_why(monkeypatch):
     monkeypatch.setattr(self_check, "PROGRAM", "raise MemoryError('none left')")
     with pytest.raises(HotlapError, match="check of the compiled flight core failed: MemoryError: none left"):
-        self_check.check(LANES, ControllerKind.GEOMETRIC)
+        self_check.check(LANES, ControllerKind.MPC)
     monkeypatch.setattr(self_check.sys, "executable", "/no/python")
     with pytest.raises(HotlapError, match="Python cannot be started"):
-        self_check.check(LANES, ControllerKind.GEOMETRIC)
+        self_check.check(LANES, ControllerKind.MPC)
 
 
 @pytest.mark.parametrize("error", [NumbaError("no such overload"), NotImplementedError(), RuntimeError("LLVM")])

@@ -119,6 +119,7 @@ def write_blackbox(path: Path, flight: Flown, *, finer: bool = False, leave_out:
         "Product": "Blackbox flight data recorder by Nicholas Sherlock",
         "Data version": "2",
         "I interval": "1",
+        "P interval": "1",
         "Field I name": ",".join(columns),
         "Field I signed": zeros,
         "Field I predictor": zeros,

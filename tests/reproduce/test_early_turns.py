@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from hotlap.analysis.transfer import DEFAULT
 from hotlap.core.seeds import Stream, flight_seeds
@@ -14,6 +15,7 @@ from hotlap.reproduce.real_world import AsFlown, _races
 from hotlap.tuning.objective import Objective
 
 
+@pytest.mark.check  # a kernel of its own is compiled, half a minute
 def test_dead_time_helps_a_long_horizon_and_harms_a_short_one():
     errors, seeds = {}, flight_seeds(0, Stream.DEMONSTRATION, 0, 2)
     for name, race in _races(quick=False).items():

@@ -7,6 +7,7 @@ import math
 import os
 import shutil
 import sqlite3
+from contextlib import closing
 
 import pytest
 
@@ -107,7 +108,7 @@ def test_what_is_no_study_is_unreadable_and_says_why(tmp_path, content):
 def test_a_study_of_another_format_or_without_what_it_needs_is_unreadable(tmp_path):
     begin(tmp_path / "s", configure())
     for change in ("DELETE FROM entry WHERE key = 'configuration'", "PRAGMA user_version = 99"):
-        with sqlite3.connect(tmp_path / "s" / FILE) as connection:
+        with closing(sqlite3.connect(tmp_path / "s" / FILE, isolation_level=None)) as connection:
             connection.execute(change)
         assert Follower(tmp_path / "s", "s").look().state is State.UNREADABLE
     assert Follower(tmp_path / "s", "s").look().fault.startswith("was made by a newer hotlap")
