@@ -141,6 +141,7 @@ def test_a_drone_that_starts_on_the_ground_stands_on_it(tmp_path):
     assert found["difficulty"].value == "easy"
 
 
+@pytest.mark.check
 def test_a_plan_knows_every_drag_of_its_vehicle(tmp_path):
     race = make_race(tmp_path, "start = [0.0, 0.0, 2.0], gates = [[50.0, 0.0, 2.0], [100.0, 0.0, 2.0]]", '"airsim"', "planning.nodes = 8")
     assert prepare(race).reference.max_speed < 23.1, "its top speed in level flight"
@@ -149,6 +150,7 @@ def test_a_plan_knows_every_drag_of_its_vehicle(tmp_path):
     assert not [finding for finding in found.values() if finding.level is Level.WARNING]
 
 
+@pytest.mark.check
 def test_what_a_slow_rate_loop_does_is_flown_and_never_called_easy(tmp_path):
     found = findings(make_race(tmp_path, TWO_GATES, '{ base = "hummingbird", rate_gain = [2.0, 2.0, 2.0] }'))
     assert found["difficulty"].value != "easy"

@@ -90,7 +90,7 @@ class Puppet:
     def __init__(self, interrupted):
         link = DirectLink(make_drone(SCENARIO))
         link.drone.hover(SCENARIO.reference.position[0])
-        link._script = lambda each: setattr(each, "states", not any(told.race_time for _, told, _ in each.sent))
+        link._script = lambda each: setattr(each, "states", not (each.sent and each.sent[-1][1].race_time))
         self.flight = RealFlight(link, SCENARIO, SCENARIO.space.first_guess(1), FlightSettings())
         self.fly = self.interrupt if interrupted else self.flight.fly
 

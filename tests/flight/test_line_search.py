@@ -20,6 +20,8 @@ from hotlap.reference.scenario import Scenario
 from . import scenarios
 from .perfect_plant import Lane, mean_error
 
+pytestmark = pytest.mark.check  # a kernel of its own is compiled
+
 LEAST, INDIFFERENT = 0.03, 0.04  # m; the second where a position weighs a thousandth of a velocity
 WEIGHTS = {"default": (200.0, 500.0, 50.0, 10.0), "tuned": (33.5, 357.0, 44.0, 7.1)}
 CORNERS = {"low": (1.0, 100.0, 1.0, 1.0), "high": (1000.0, 1500.0, 100.0, 1000.0), "speed": (1.0, 100.0, 1.0, 1000.0)}
@@ -67,7 +69,6 @@ def drag_free(name: str) -> Scenario:
     return plan(race.model_copy(update=changes))
 
 
-@pytest.mark.check
 @pytest.mark.parametrize("race", ["circle-34", "split-s"])
 @pytest.mark.parametrize("nodes", [2, 5, 18, 20, 40, 100])
 def test_fast_references_are_followed_with_every_setting(race, nodes):
@@ -110,7 +111,6 @@ def test_commands_keep_their_bounds():
     assert (commands < lane.job.low + 0.06).any()
 
 
-@pytest.mark.check
 def test_a_flight_does_not_depend_on_the_flights_beside_it():
     scenario = scenarios.make_scenario(controller=settings(ControllerKind.MPC, 10, 1.5), noise={"position": 0.1, "rates": 0.5})
     asked = scenarios.parameters(5) * np.linspace(0.5, 1.0, 5)[:, None, None]

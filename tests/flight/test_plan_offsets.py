@@ -43,6 +43,7 @@ def drag_of(states: np.ndarray) -> np.ndarray:
     return turns.apply(np.array(DRAG) * turns.apply(states[:, 7:10], inverse=True))
 
 
+@pytest.mark.check
 def test_drag_along_the_horizon_is_that_of_the_last_plan():
     lane, state, moved = second_step(scenario_of())
     planned = moved + lane.memory.reference[:, :10, 0]
@@ -53,6 +54,7 @@ def test_drag_along_the_horizon_is_that_of_the_last_plan():
     assert_allclose(lane.memory.push[:, :, 0], -drag_of(planned), atol=0.04)
 
 
+@pytest.mark.check
 def test_a_target_makes_up_for_the_drag_of_the_last_plan():
     """Its body z is that of the thrust of the reference without drag, less what acts."""
     lane, *_ = second_step(scenario_of())

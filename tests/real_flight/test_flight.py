@@ -51,11 +51,12 @@ def airborne(**drone):
 
 def in_race(link, act, after=0.3):
     """Let something happen so many seconds after the race has begun; gives a list with when it did."""
-    happened = []
+    begun, happened = [], []
 
     def script(each):
-        begun = next((at for at, setpoint, _ in each.sent if setpoint.race_time is not None), None)
-        if not happened and begun is not None and each.drone.time >= begun + after:
+        if not begun and each.sent and each.sent[-1][1].race_time is not None:
+            begun.append(each.sent[-1][0])
+        if not happened and begun and each.drone.time >= begun[0] + after:
             happened.append(each.drone.time)
             act(each)
 
