@@ -19,6 +19,7 @@ from .scenarios import TUNED, make_scenario
 
 LOST_FROM, PERIOD = 4.0, 0.01
 GAINS = {"mpc": TUNED, "mpc_drag": TUNED, "geometric": (8.0, 12.0, 4.0, 5.0, 10.0, 3.0)}
+KINDS = ("mpc", *(pytest.param(kind, marks=pytest.mark.check) for kind in ("mpc_drag", "geometric")))
 
 
 def scenario_of(kind: str = "mpc", *, on: bool = True) -> Scenario:
@@ -43,7 +44,7 @@ def fly(scenario: Scenario, gains: tuple[float, ...], until: float = 7.5, **day:
     return times, np.array(errors), controller
 
 
-@pytest.mark.parametrize("kind", GAINS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_height_is_held_after_a_loss_of_thrust_with_a_sagging_battery_and_gusts(kind):
     day = {"lost": 0.15, "lost_from": LOST_FROM, "sag": 0.015, "gusts": 1.0}
     times, errors, controller = fly(scenario_of(kind), GAINS[kind], **day)
