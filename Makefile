@@ -92,7 +92,7 @@ $(OLDEST)/.made: pyproject.toml
 	@touch $@
 
 # Both wheels are of clones, so of what is committed. Without pypi.org nobody knows the vulnerabilities.
-KNOWS = https://pypi.org/pypi/pip/json
+KNOWS = https://pypi.org/pypi/pip/25.1/json
 supply: $(VENV)/.supply
 	$(BIN)/uv lock --check
 	rm -rf build/here build/again build/wheels
@@ -101,8 +101,8 @@ supply: $(VENV)/.supply
 	cmp build/wheels/here/*.whl build/wheels/again/*.whl && echo "two wheels are the same"
 	$(BIN)/uv export --quiet --frozen --all-extras --no-emit-project -o build/requirements.txt
 	@if $(BIN)/python -c "import requests; requests.get('$(KNOWS)', timeout=20).raise_for_status()" 2>/dev/null; \
-	then $(BIN)/pip-audit --disable-pip --require-hashes -r build/requirements.txt; \
-	else echo "pypi.org cannot be reached: known vulnerabilities are not looked for" >&2; fi
+	then $(BIN)/pip-audit --strict --disable-pip --require-hashes -r build/requirements.txt; \
+	else echo "pypi.org cannot be reached, or does not tell vulnerabilities: none are looked for" >&2; fi
 
 $(VENV)/.supply: $(VENV)/.hotlap | $(VENV)/.groups
 	$(INSTALL) --group supply
