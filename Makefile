@@ -4,6 +4,7 @@
 #   make test      run the tests
 #   make check     run the slower proofs: browser, documentation, films, firmware, JAX (needs chromium, node, npm and gcc)
 #   make fuzz      damage everything that is read, ten thousand times each (READERS="track race", ARGS="--inputs 1000")
+#   make fuzz-guided   the same, guided by coverage, for ten minutes (READER="first guess", ARGS="--seconds 60"; Linux)
 #   make lint      check style            make types     check types
 #   make docs      build the documentation: build/docs/index.html
 #   make bench     measure the flights    make studies   run the tests of minutes
@@ -30,9 +31,10 @@ RACE ?= circle-34
 PART ?= main
 ARGS ?=
 READERS ?=
+READER ?= track
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: torture soak fuzz test-oldest supply tune test check lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
+.PHONY: torture soak fuzz fuzz-guided test-oldest supply tune test check lint types bench benchmarks comparison first-guess studies venv docs pictures page clean
 .DELETE_ON_ERROR:
 
 tune: $(VENV)/.hotlap
@@ -46,6 +48,9 @@ check: $(VENV)/.firmware $(VENV)/.worlds
 
 fuzz: $(VENV)/.test
 	$(BIN)/python tests/fuzz/run.py $(ARGS) $(READERS)
+
+fuzz-guided: $(VENV)/.fuzz
+	$(BIN)/python tests/fuzz/guided.py $(ARGS) "$(READER)"
 
 studies: $(VENV)/.test
 	$(BIN)/python -m pytest -m slow $(ARGS)
@@ -153,6 +158,10 @@ $(VENV)/.hotlap: pyproject.toml | $(VENV)/.pip
 $(VENV)/.test: $(VENV)/.hotlap | $(VENV)/.groups
 	$(INSTALL) --group test
 	-@$(COMPILE) .
+	@touch $@
+
+$(VENV)/.fuzz: $(VENV)/.test
+	$(INSTALL) --group fuzz
 	@touch $@
 
 # Without a compiler the tests that fly Betaflight are skipped, and say so.

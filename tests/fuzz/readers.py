@@ -70,9 +70,10 @@ class Reader:
             path.write_bytes(_written(self.ending, disturb(structure, random)))
         else:
             path.write_bytes(damage(sample, random, known))
-        return lambda: self._refuse_in_a_line(path)
+        return lambda: self.refuse_in_a_line(path)
 
-    def _refuse_in_a_line(self, path: Path) -> Any:
+    def refuse_in_a_line(self, path: Path) -> Any:
+        """Read a file; a refusal has to name it."""
         try:
             return self.read(path)
         except InputError as error:

@@ -57,6 +57,10 @@ _EMPTY = _FMT + struct.pack("<3sBB4s16s64s", b"\xa3\x95\x80", 200, 0, b"NONE", b
 MALFORMED = {
     "cut ulog": (lambda d: _cut(write_ulog(d / "a.ulg", FLIGHT), 0, 12), "ends within its first 16 bytes"),
     "ulog without data": (lambda d: _cut(write_ulog(d / "a.ulg", FLIGHT), 0, 40), "a ULog of PX4( without any signal|: it is cut short)"),
+    "ulog that ends in a message": (
+        lambda d: _bytes(d / "a.ulg", b"ULog\x01\x12\x35\x01" + bytes(8) + struct.pack("<HB", 6, 0) + bytes(5)),
+        "a ULog of PX4 whose messages lead back again and again: it is damaged",
+    ),
     "wrong version": (lambda d: write_ulog(d / "a.ulg", FLIGHT, version=9), "ULog of version 9; hotlap reads versions 0 and 1"),
     "one axis missing": (lambda d: write_ulog(d / "a.ulg", FLIGHT, leave_out=("pitch",)), "vehicle_rates_setpoint: has no pitch"),
     "wrong units": (lambda d: write_ulog(d / "a.ulg", FLIGHT, scale=57.3), r"rates: is up to 63.2 rad/s: is it in deg/s\?"),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -31,6 +32,7 @@ TOPICS = (
 FACTS = ("MC_", "THR_", "MPC_THR", "PWM_", "CA_ROTOR", "BAT", "IMU_GYRO", "SYS_AUTOSTART")  # how parameters begin that are kept
 PWM = (1000.0, 2000.0)  # µs of no thrust and of all
 MOST_MOTORS = 12
+MOST_TIMES, MORE = 20, 10_000_000  # that a file is read over, and bytes besides
 
 
 def read(path: Path, name: str) -> FlightLog:
@@ -43,7 +45,7 @@ def read(path: Path, name: str) -> FlightLog:
     if head[7] not in VERSIONS:
         raise recording.fail("", f"is a ULog of version {head[7]}; hotlap reads versions {' and '.join(map(str, VERSIONS))}")
     with path.open("rb") as file:  # which pyulog leaves open where the log is damaged
-        log = load("pyulog", KIND, name).ULog(file, list(TOPICS))
+        log = load("pyulog", KIND, name).ULog(Bounded(file, recording), list(TOPICS))
     topics = {(data.name, data.multi_id): data.data for data in log.data_list}
     found = {topic: Topic(recording, topic, topics[topic, 0]) for topic in TOPICS if (topic, 0) in topics}
     for topic, take in TAKEN.items():
@@ -55,6 +57,32 @@ def read(path: Path, name: str) -> FlightLog:
     if log.dropouts:
         recording.note(f"{len(log.dropouts)} gaps in which the autopilot could not write")
     return recording.finish()
+
+
+class Bounded:
+    """A file that is read a few times at most: pyulog goes back where a message is damaged, and for ever where the file ends in it.
+
+    Args:
+        file: that is read.
+        recording: that complains.
+    """
+
+    def __init__(self, file: BinaryIO, recording: Recording) -> None:
+        self._file, self._recording = file, recording
+        self._left = MOST_TIMES * os.fstat(file.fileno()).st_size + MORE
+        self.seek, self.tell, self.close = file.seek, file.tell, file.close
+
+    def read(self, count: int = -1) -> bytes:
+        """So many bytes.
+
+        Raises:
+            InputError: too many were read before.
+        """
+        content = self._file.read(count)
+        self._left -= len(content) + 1
+        if self._left < 0:
+            raise self._recording.fail("", f"is {KIND} whose messages lead back again and again: it is damaged")
+        return content
 
 
 class Topic:
