@@ -40,5 +40,5 @@ def test_what_is_of_its_kind_is_given_back_as_it_is():
     ],
 )
 def test_what_is_not_is_refused_by_its_name(key, value):
-    with pytest.raises(InputError, match=f"{key}: must be a "):
+    with pytest.raises(InputError, match=f"{key}: must be of the kind "):
         typed(Record, {**GOOD, key: value})

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import tempfile
 from pathlib import Path
 
 import atheris
@@ -30,7 +29,8 @@ def guide(reader: Reader, seconds: int, kept: Path) -> None:
     kept.mkdir(parents=True, exist_ok=True)
     for k, sample in enumerate(reader.samples()):
         (kept / f"sample-{k}").write_bytes(sample)
-    folder = Path(tempfile.mkdtemp(prefix="hotlap-fuzz-"))
+    folder = kept.with_name(f"{kept.name}-input")  # libFuzzer ends the process, so nothing would be removed after it
+    folder.mkdir(exist_ok=True)
     path = folder / f"input{reader.ending}"
 
     def prepare(content: bytes) -> object:

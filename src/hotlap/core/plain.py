@@ -37,4 +37,4 @@ def value_of(kind: str, name: str, value: Any) -> Any:
     wanted = KINDS.get(kind)
     if wanted is None or (isinstance(value, wanted) and (kind == "bool" or not isinstance(value, bool))):
         return value
-    raise InputError("", name, f"must be a {kind}, not a {type(value).__name__}")
+    raise InputError("", name, f"must be of the kind {kind}, not {type(value).__name__}")

@@ -55,7 +55,7 @@ def read(path: Path, name: str) -> FlightLog:
 
 
 def _forward(binary: Any, recording: Recording) -> Any:
-    """A reader of the package that never stands still: messages that say to have no length would be read for ever."""
+    """A reader of the package that never stands still: messages that say they have no length would be read for ever."""
 
     class Forward(binary):
         def _parse_next(self) -> Any:
