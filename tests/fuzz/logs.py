@@ -14,7 +14,7 @@ from hotlap.identification.evidence import lay_out
 from hotlap.logs.hotlap_csv import write_hotlap_csv
 from hotlap.logs.readers import read
 from logs.ros_written import write_bag1, write_mcap
-from logs.written import Flown, make_flight, write_blackbox, write_csv, write_dataflash, write_ulog
+from logs.written import Flown, make_flight, write_blackbox, write_csv, write_dataflash, write_dataflash_text, write_ulog
 
 LENGTH = 60  # samples of a flight
 MAP = {"time": "stamp", "position": "X Y Z", "rates": "gx gy gz", "acceleration": "ax ay az"}
@@ -58,6 +58,7 @@ LOGS: dict[str, Reader] = {
         Reader("log, own CSV", ".csv", _own, _use),
         Reader("log, ULog", ".ulg", _sample(write_ulog, ".ulg"), _use),
         Reader("log, dataflash", ".bin", _sample(write_dataflash, ".bin"), _use),
+        Reader("log, dataflash text", ".log", _sample(write_dataflash_text, ".log"), _use),
         Reader("log, MCAP", ".mcap", _sample(write_mcap, ".mcap"), _use),
         Reader("log, ROS bag", ".bag", _sample(write_bag1, ".bag"), _use),
         Reader("log, blackbox", ".bbl", _sample(write_blackbox, ".bbl"), _use),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -203,4 +204,16 @@ def write_csv(path: Path, flight: Flown, *, seconds: float = 1.0, turn: float = 
     heads = "stamp,X,Y,Z,gx,gy,gz,ax,ay,az"
     rows = np.column_stack([flight.times / seconds, flight.position, flight.rates * turn, flight.acceleration])
     path.write_text("\n".join([heads, *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n")
+    return path
+
+
+def write_dataflash_text(path: Path, flight: Flown) -> Path:
+    """The same log as text, a message a line, as ArduPilot's tools write it."""
+    reader = import_module("pymavlink.DFReader")
+    log, lines = reader.DFReader_binary(str(write_dataflash(path.with_suffix(".bin"), flight))), []
+    while (message := log.recv_msg()) is not None:
+        fields = [getattr(message, name) for name in message.get_fieldnames()]
+        lines.append(", ".join([message.get_type(), *map(str, fields)]))
+    log.close()
+    path.write_text("\n".join(lines) + "\n")
     return path
